@@ -1,0 +1,69 @@
+//! The command line: one file per subcommand.
+//!
+//! Results go to stdout, logs to stderr. Exit codes: 0 done, 1 the job could not be done (says why), 2 wrong usage.
+
+mod calibrate;
+mod demo;
+mod detect;
+mod node;
+mod simulate;
+
+use clap::{Parser, Subcommand};
+use std::ffi::OsString;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Calibrates cameras from a small, out-of-focus board of concentric circles.
+#[derive(Debug, Parser)]
+#[command(name = "ringcal", version, arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the ROS 2 node.
+    Node(node::Arguments),
+    /// Find the board in image files.
+    Detect(detect::Arguments),
+    /// Calibrate a camera from image files or folders.
+    Calibrate(calibrate::Arguments),
+    /// Render frames of a defocused board together with the truth.
+    Simulate(simulate::Arguments),
+    /// The whole job on this machine without hardware, over DDS.
+    Demo(demo::Arguments),
+}
+
+/// Runs the program with the arguments of its process, the program's name first.
+pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
+    let called_as_node = arguments
+        .first()
+        .and_then(|program| Path::new(program).file_stem())
+        .is_some_and(|stem| stem == "ringcal_node");
+    if called_as_node {
+        arguments.insert(1, "node".into());
+    }
+    let parsed = match Arguments::try_parse_from(arguments) {
+        Ok(parsed) => parsed,
+        Err(error) => {
+            // clap prints help and version to stdout with 0 and mistakes to stderr with 2
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    let done = match parsed.command {
+        Command::Node(arguments) => node::run(arguments),
+        Command::Detect(arguments) => detect::run(arguments),
+        Command::Calibrate(arguments) => calibrate::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Demo(arguments) => demo::run(arguments),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("ringcal: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

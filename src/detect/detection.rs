@@ -1,0 +1,115 @@
+//! What was found in one frame, or why nothing was.
+
+use crate::centre::{Centre, RingEllipses};
+use nalgebra::Matrix3;
+
+/// Whether row and column numbers are those of the board or count from the first ring seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Indices {
+    /// Row and column are the board's own: its whole extent was seen (up to the rotations that fit, see `grid`).
+    Absolute,
+    /// Numbering starts at the first row and column that were found.
+    Relative,
+}
+
+impl Indices {
+    /// The word used in messages and files.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Absolute => "absolute",
+            Self::Relative => "relative",
+        }
+    }
+}
+
+/// One ring of the board as it appears in the frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ring {
+    /// Row on the board.
+    pub row: u16,
+    /// Column on the board.
+    pub column: u16,
+    /// Projected centre, px of the frame, distortion not removed.
+    pub centre: Centre,
+    /// The images of its two circles, px.
+    pub ellipses: RingEllipses,
+    /// Standard deviation of the Gaussian that best explains the blur of its edges, px.
+    pub blur_sigma_px: f64,
+}
+
+/// A board found in a frame; rings sorted by row, then column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detection {
+    /// Width of the frame, px.
+    pub width: usize,
+    /// Height of the frame, px.
+    pub height: usize,
+    /// What the row and column numbers mean.
+    pub indices: Indices,
+    /// The rings found, each (row, column) once.
+    pub rings: Vec<Ring>,
+    /// Board plane (m) to frame (px), least squares over the centres; for a single ring a scaled identity at its
+    /// centre.
+    pub homography: Matrix3<f64>,
+}
+
+impl Detection {
+    /// Median blur of the rings, px.
+    pub fn blur_sigma_px(&self) -> f64 {
+        let mut sigmas: Vec<f64> = self.rings.iter().map(|r| r.blur_sigma_px).collect();
+        sigmas.sort_by(f64::total_cmp);
+        sigmas.get(sigmas.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+/// Why no board was found: one plain sentence a person can act on.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Miss {
+    /// The frame is too small to hold the board.
+    #[error(
+        "the frame is {width} x {height} px, too small for a board of {rows} x {columns} rings"
+    )]
+    FrameTooSmall {
+        /// Frame width, px.
+        width: usize,
+        /// Frame height, px.
+        height: usize,
+        /// Rows of the board.
+        rows: u16,
+        /// Columns of the board.
+        columns: u16,
+    },
+    /// Nothing in the frame looks like a ring.
+    #[error("no ring seen")]
+    NoRing,
+    /// Rings, but fewer than the board has.
+    #[error("too few rings: {found} of {expected}")]
+    TooFewRings {
+        /// Rings that stand in a grid, or all where no grid was found.
+        found: usize,
+        /// Rings of the board.
+        expected: usize,
+    },
+    /// Rings that do not stand in the board's grid.
+    #[error("{found} rings seen, but they do not stand in a grid of {rows} x {columns}")]
+    NoGrid {
+        /// Rings seen.
+        found: usize,
+        /// Rows of the board.
+        rows: u16,
+        /// Columns of the board.
+        columns: u16,
+    },
+    /// A grid of another size.
+    #[error("found {found_rows} x {found_columns}, the board file says {rows} x {columns}")]
+    WrongSize {
+        /// Rows seen.
+        found_rows: usize,
+        /// Columns seen.
+        found_columns: usize,
+        /// Rows of the board.
+        rows: u16,
+        /// Columns of the board.
+        columns: u16,
+    },
+}

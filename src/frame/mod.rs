@@ -1,0 +1,73 @@
+//! Pixels in: one grey frame in the bit depth it came in, and the views of it that later stages read.
+//!
+//! A [`Frame`] is grey, 8 or 16 bit, rows contiguous. `encoding` turns a `sensor_msgs/Image` into one.
+//! Pixel coordinates everywhere: x right, y down, the centre of the top-left pixel is (0, 0).
+
+mod plane;
+
+pub use plane::{Pixel, Plane};
+
+/// The pixels of a frame in the depth they came in.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Pixels {
+    /// 8 bit, full scale 255.
+    U8(Plane<u8>),
+    /// 16 bit in the machine's byte order, full scale 65535.
+    U16(Plane<u16>),
+}
+
+/// When a frame was taken: seconds and nanoseconds since the publisher's epoch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Stamp {
+    /// Whole seconds.
+    pub sec: i32,
+    /// Nanoseconds within the second.
+    pub nanosec: u32,
+}
+
+/// One grey picture with its origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// The grey values.
+    pub pixels: Pixels,
+    /// Time of exposure; zero for image files.
+    pub stamp: Stamp,
+    /// Where it came from: the `frame_id` of a message or the path of a file.
+    pub source: String,
+}
+
+impl Frame {
+    /// A frame of 8-bit pixels.
+    pub fn from_u8(plane: Plane<u8>, source: impl Into<String>) -> Self {
+        Self {
+            pixels: Pixels::U8(plane),
+            stamp: Stamp::default(),
+            source: source.into(),
+        }
+    }
+
+    /// A frame of 16-bit pixels.
+    pub fn from_u16(plane: Plane<u16>, source: impl Into<String>) -> Self {
+        Self {
+            pixels: Pixels::U16(plane),
+            stamp: Stamp::default(),
+            source: source.into(),
+        }
+    }
+
+    /// Width, px.
+    pub fn width(&self) -> usize {
+        match &self.pixels {
+            Pixels::U8(p) => p.width(),
+            Pixels::U16(p) => p.width(),
+        }
+    }
+
+    /// Height, px.
+    pub fn height(&self) -> usize {
+        match &self.pixels {
+            Pixels::U8(p) => p.height(),
+            Pixels::U16(p) => p.height(),
+        }
+    }
+}

@@ -97,7 +97,8 @@ impl Board {
         polarity: Polarity,
     ) -> Result<Self, BoardError> {
         let single = rows == 1 && columns == 1;
-        if !single && !((2..=100).contains(&rows) && (2..=100).contains(&columns)) {
+        let grid = (2..=100).contains(&rows) && (2..=100).contains(&columns);
+        if !(single || grid) {
             return Err(BoardError::Size { rows, columns });
         }
         positive("inner_radius", inner_radius_m)?;

@@ -4,8 +4,10 @@
 //! Pixel coordinates everywhere: x right, y down, the centre of the top-left pixel is (0, 0).
 
 mod plane;
+mod pyramid;
 
 pub use plane::{Pixel, Plane};
+pub use pyramid::{Level, half, half_of_frame};
 
 /// The pixels of a frame in the depth they came in.
 #[derive(Debug, Clone, PartialEq)]

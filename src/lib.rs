@@ -9,4 +9,5 @@ pub mod centre;
 pub mod cli;
 pub mod detect;
 pub mod enhance;
+pub mod formats;
 pub mod frame;

@@ -11,3 +11,4 @@ pub mod detect;
 pub mod enhance;
 pub mod formats;
 pub mod frame;
+pub mod simulate;

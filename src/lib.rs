@@ -12,3 +12,4 @@ pub mod enhance;
 pub mod formats;
 pub mod frame;
 pub mod simulate;
+pub mod source;

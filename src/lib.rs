@@ -12,4 +12,5 @@ pub mod enhance;
 pub mod formats;
 pub mod frame;
 pub mod simulate;
+pub mod report;
 pub mod source;

@@ -11,6 +11,6 @@ pub mod detect;
 pub mod enhance;
 pub mod formats;
 pub mod frame;
-pub mod simulate;
 pub mod report;
+pub mod simulate;
 pub mod source;

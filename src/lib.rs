@@ -4,8 +4,10 @@
 //! [`camera::Camera`].
 
 pub mod board;
+pub mod calibrate;
 pub mod camera;
 pub mod centre;
 pub mod cli;
 pub mod detect;
 pub mod frame;
+pub mod session;

@@ -9,5 +9,6 @@ pub mod camera;
 pub mod centre;
 pub mod cli;
 pub mod detect;
+pub mod enhance;
 pub mod frame;
 pub mod session;

@@ -1,9 +1,14 @@
 //! The detector: a board and how to look for it.
 
-use super::{Detection, Miss};
-use crate::board::Board;
+use super::detection::{Detection, Indices, Miss, Ring};
+use super::grid::find_grid;
+use super::homography::fit_homography;
+use super::ring_fit::RingFit;
+use super::rings::find_rings;
+use crate::board::{Board, Polarity};
 use crate::centre::Estimator;
 use crate::frame::Frame;
+use nalgebra::{Matrix3, Point2};
 
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,6 +23,9 @@ pub struct Detector {
     board: Board,
     options: DetectOptions,
 }
+
+/// Side of a ring that can be measured at all, px.
+const LEAST_RING_PX: usize = 6;
 
 impl Detector {
     /// A detector of `board`.
@@ -35,7 +43,108 @@ impl Detector {
     /// # Errors
     /// [`Miss`] says why no board was found.
     pub fn detect(&self, frame: &Frame) -> Result<Detection, Miss> {
-        let _ = (frame, self.options);
-        Err(Miss::NoRing)
+        let (width, height) = (frame.width(), frame.height());
+        let (rows, columns) = (self.board.rows(), self.board.columns());
+        let least = LEAST_RING_PX * usize::from(rows.min(columns));
+        if width.min(height) < least {
+            return Err(Miss::FrameTooSmall {
+                width,
+                height,
+                rows,
+                columns,
+            });
+        }
+        match self.board.polarity() {
+            Polarity::DarkOnLight => self.detect_sign(frame, 1.0),
+            Polarity::LightOnDark => self.detect_sign(frame, -1.0),
+            Polarity::Auto => {
+                let dark = self.detect_sign(frame, 1.0);
+                if dark
+                    .as_ref()
+                    .is_ok_and(|d| d.rings.len() == self.board.ring_count())
+                {
+                    return dark;
+                }
+                let light = self.detect_sign(frame, -1.0);
+                let found = |d: &Result<Detection, Miss>| d.as_ref().map_or(0, |d| d.rings.len());
+                if found(&light) > found(&dark) {
+                    light
+                } else {
+                    dark
+                }
+            }
+        }
+    }
+
+    /// `sign` is 1 for dark rings, -1 for light ones.
+    fn detect_sign(&self, frame: &Frame, sign: f64) -> Result<Detection, Miss> {
+        let rings = find_rings(frame, sign, self.board.radius_ratio());
+        if self.board.is_single() {
+            return self.single(frame, &rings);
+        }
+        let grid = find_grid(frame, &self.board, &rings, sign)?;
+        let rings: Vec<Ring> = grid
+            .rings
+            .iter()
+            .filter_map(|(row, column, fit)| self.ring(*row, *column, fit))
+            .collect();
+        let pairs: Vec<_> = rings
+            .iter()
+            .map(|r| {
+                (
+                    Point2::from(self.board.centre_m(r.row, r.column)),
+                    r.centre.point,
+                )
+            })
+            .collect();
+        let homography = fit_homography(&pairs).ok_or(Miss::NoGrid {
+            found: rings.len(),
+            rows: self.board.rows(),
+            columns: self.board.columns(),
+        })?;
+        Ok(Detection {
+            width: frame.width(),
+            height: frame.height(),
+            indices: Indices::Absolute,
+            rings,
+            homography,
+        })
+    }
+
+    /// The most conspicuous ring of the frame for a board of one.
+    fn single(&self, frame: &Frame, rings: &[RingFit]) -> Result<Detection, Miss> {
+        let size = |r: &RingFit| r.contrast * r.ellipses.outer.major * r.ellipses.outer.minor;
+        let ring = rings
+            .iter()
+            .max_by(|a, b| size(a).total_cmp(&size(b)))
+            .and_then(|fit| self.ring(0, 0, fit))
+            .ok_or(Miss::NoRing)?;
+        let outer = &ring.ellipses.outer;
+        let scale = (outer.major * outer.minor).sqrt() / self.board.outer_radius_m();
+        let (x, y) = (ring.centre.point.x, ring.centre.point.y);
+        Ok(Detection {
+            width: frame.width(),
+            height: frame.height(),
+            indices: Indices::Absolute,
+            homography: Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0),
+            rings: vec![ring],
+        })
+    }
+
+    /// `None` where the ellipses have no projected centre.
+    fn ring(&self, row: u16, column: u16, fit: &RingFit) -> Option<Ring> {
+        let centre = self
+            .options
+            .estimator
+            .build()
+            .estimate(&fit.ellipses)
+            .ok()?;
+        Some(Ring {
+            row,
+            column,
+            centre,
+            ellipses: fit.ellipses,
+            blur_sigma_px: fit.blur_sigma_px,
+        })
     }
 }

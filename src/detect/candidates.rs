@@ -1,0 +1,138 @@
+//! Patches that a ring of the other grey surrounds: rough inner and outer ellipses.
+
+use super::band_pass::BandPass;
+use super::blobs::{Blob, light_blobs};
+use super::ellipse_fit::fit_ellipse;
+use crate::centre::{Ellipse, RingEllipses};
+use crate::frame::Level;
+use nalgebra::{Matrix2, Point2, Vector2};
+
+/// Rays from the patch's centre.
+const RAYS: usize = 32;
+/// Fraction of the rays that must cross into the ring and out of it again.
+const LEAST_RAYS: f64 = 0.7;
+/// Patches smaller than this are no inner disc, px of the level.
+const LEAST_AREA: f64 = 5.0;
+/// Patches larger than this are seen better one level up, px of the level.
+const MOST_AREA: f64 = 2400.0;
+/// Steps along a ray, in units of the patch's own radius.
+const STEP: f64 = 0.1;
+
+/// All rings that show at one level, in frame pixels. `ratio` is the board's inner over outer radius.
+pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingEllipses> {
+    light_blobs(band)
+        .iter()
+        .filter(|blob| is_compact(blob))
+        .filter_map(|blob| surrounded(band, blob, ratio))
+        .map(|ring| RingEllipses {
+            inner: to_frame(&ring.inner, level),
+            outer: to_frame(&ring.outer, level),
+        })
+        .collect()
+}
+
+fn is_compact(blob: &Blob) -> bool {
+    // few pixels make a rough outline
+    let tolerance = 0.2 + 2.0 / blob.area;
+    (LEAST_AREA..=MOST_AREA).contains(&blob.area)
+        && blob.aspect() > 0.25
+        && blob.ellipse_misfit() < tolerance
+}
+
+/// The two outlines of the ring around a patch: where the band turns dark and where it turns light again.
+fn surrounded(band: &BandPass, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
+    let axes = half_axes(&blob.spread)?;
+    let reach = 2.5 / ratio;
+    let crossings: Vec<(Point2<f64>, Point2<f64>)> = (0..RAYS)
+        .filter_map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
+            cross_ring(band, blob.centre, axes * Vector2::new(cos, sin), reach)
+        })
+        .collect();
+    if (crossings.len() as f64) < LEAST_RAYS * RAYS as f64 {
+        return None;
+    }
+    let (inner, outer): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
+    let ring = RingEllipses {
+        inner: fit_ellipse(&inner)?.ellipse,
+        outer: fit_ellipse(&outer)?.ellipse,
+    };
+    looks_concentric(&ring, ratio, 2.0).then_some(ring)
+}
+
+/// Whether two ellipses can be the circles of one ring: nested, alike in shape, and their sizes in the board's `ratio`
+/// within the factor `slack`.
+pub(super) fn looks_concentric(ring: &RingEllipses, ratio: f64, slack: f64) -> bool {
+    let size = |e: &Ellipse| (e.major * e.minor).sqrt();
+    let (inner, outer) = (size(&ring.inner), size(&ring.outer));
+    let found = inner / outer;
+    let aspects = (ring.inner.minor / ring.inner.major) / (ring.outer.minor / ring.outer.major);
+    let apart = (ring.inner.centre - ring.outer.centre).norm();
+    found > ratio / slack
+        && found < (ratio * slack).min(0.5 * (1.0 + ratio))
+        && apart < 0.3 * (outer - inner)
+        && ring.outer.minor > 0.2 * ring.outer.major
+        && (1.0 / slack..slack).contains(&aspects)
+}
+
+/// The matrix that carries the unit circle to the ellipse with this spread.
+fn half_axes(spread: &Matrix2<f64>) -> Option<Matrix2<f64>> {
+    let eigen = spread.symmetric_eigen();
+    let root = eigen.eigenvalues.map(|v| 2.0 * v.max(0.0).sqrt());
+    (root.min() > 0.0).then(|| {
+        eigen.eigenvectors * Matrix2::from_diagonal(&root) * eigen.eigenvectors.transpose()
+    })
+}
+
+/// Follows one ray out of the patch: the zero crossings into the dark ring and out of it.
+fn cross_ring(
+    band: &BandPass,
+    centre: Point2<f64>,
+    axis: Vector2<f64>,
+    reach: f64,
+) -> Option<(Point2<f64>, Point2<f64>)> {
+    let at = |t: f64| {
+        let p = centre + axis * t;
+        band.plane.bilinear(p.x, p.y).map(f64::from)
+    };
+    let margin = f64::from(band.margin);
+    let mut previous = (0.0, at(0.0)?);
+    let (mut inner, mut darkest) = (None, 0.0_f64);
+    let steps = (reach / STEP) as usize;
+    for t in (1..=steps).map(|i| i as f64 * STEP) {
+        let value = at(t)?;
+        let crossing = || {
+            let (t0, v0) = previous;
+            centre + axis * (t0 + (t - t0) * v0 / (v0 - value))
+        };
+        match inner {
+            None if value <= 0.0 && previous.1 > 0.0 => inner = Some(crossing()),
+            None if t > 2.0 => return None,
+            Some(begin) => {
+                if value >= 0.0 && previous.1 < 0.0 {
+                    if darkest < -margin {
+                        return Some((begin, crossing()));
+                    }
+                    // noise made it cross before the ring began
+                    inner = None;
+                }
+            }
+            None => {}
+        }
+        darkest = darkest.min(value);
+        previous = (t, value);
+    }
+    None
+}
+
+fn to_frame(ellipse: &Ellipse, level: Level) -> Ellipse {
+    Ellipse {
+        centre: Point2::new(
+            level.to_frame(ellipse.centre.x),
+            level.to_frame(ellipse.centre.y),
+        ),
+        major: ellipse.major * level.scale(),
+        minor: ellipse.minor * level.scale(),
+        angle: ellipse.angle,
+    }
+}

@@ -1,0 +1,149 @@
+//! Sub-pixel edges of one ring: where its grey profile passes half-way between the levels on either side.
+//!
+//! Rays from the ring's middle cross both edges. Each ray has its own levels (inside, ring, outside), smoothed over the
+//! neighbouring rays, so that a shadow across the ring moves no edge; rays on the shadow's border are left to the
+//! robust fit. Under blur the levels are the extrema of the profile: the best edges a construction on ellipses can get.
+
+use super::profile::{Profile, sample};
+use crate::centre::{Ellipse, RingEllipses};
+use crate::frame::{Pixel, Plane};
+use nalgebra::{Point2, Vector2};
+
+/// Fewest and most rays of a ring; between, one for each pixel of the outer edge.
+const RAYS: (usize, usize) = (48, 192);
+/// Rays on either side over which levels are smoothed, as a fraction of all.
+const LEVEL_SMOOTHING: f64 = 1.0 / 24.0;
+/// Fraction of the rays that must show both edges.
+const LEAST_RAYS: f64 = 0.6;
+
+/// The edge points of a ring.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct RingEdges {
+    /// On the inner circle's image, px.
+    pub(super) inner: Vec<Point2<f64>>,
+    /// On the outer circle's image, px.
+    pub(super) outer: Vec<Point2<f64>>,
+    /// Blur of the outer edge at each of its points, px (standard deviation of a Gaussian).
+    pub(super) blur_sigma_px: Vec<f64>,
+    /// Median grey difference across the outer edge, 0..1.
+    pub(super) contrast: f64,
+}
+
+/// Grey levels along one ray.
+#[derive(Clone, Copy)]
+struct Levels {
+    inside: f64,
+    ring: f64,
+    outside: f64,
+}
+
+/// Finds the edges near rough ellipses; `sign` is 1 where the ring is dark, -1 where it is light. `None` where fewer than
+/// [`LEAST_RAYS`] of the rays stay in the picture and show both edges.
+pub(super) fn ring_edges<T: Pixel>(
+    picture: &Plane<T>,
+    rough: &RingEllipses,
+    sign: f64,
+) -> Option<RingEdges> {
+    let count = (std::f64::consts::TAU * rough.outer.major) as usize;
+    let count = count.clamp(RAYS.0, RAYS.1);
+    let profiles: Vec<Profile> = (0..count)
+        .filter_map(|i| {
+            let t = std::f64::consts::TAU * i as f64 / count as f64;
+            sample(picture, rough, t, sign)
+        })
+        .collect();
+    let least = (LEAST_RAYS * count as f64) as usize;
+    if profiles.len() < least {
+        return None;
+    }
+    let levels = smoothed_levels(&profiles);
+    let mut edges = RingEdges::default();
+    for (profile, level) in profiles.iter().zip(&levels) {
+        let Some((inner, outer)) = crossings(profile, level) else {
+            continue;
+        };
+        edges.inner.push(profile.point(inner.radius_px));
+        edges.outer.push(profile.point(outer.radius_px));
+        let normal = normal_at(&rough.outer, &profile.point(outer.radius_px));
+        let across = normal.dot(&profile.direction).abs();
+        let height = level.outside - level.ring;
+        edges
+            .blur_sigma_px
+            .push(profile.blur_sigma_px(height, outer.slope) * across);
+    }
+    let mut contrasts: Vec<f64> = levels.iter().map(|l| l.outside - l.ring).collect();
+    edges.contrast = median(&mut contrasts);
+    (edges.inner.len() >= least).then_some(edges)
+}
+
+/// Where and how steeply a profile crosses a level.
+struct Crossing {
+    radius_px: f64,
+    slope: f64,
+}
+
+/// The two mid-level crossings nearest to the ring's extremum.
+fn crossings(profile: &Profile, level: &Levels) -> Option<(Crossing, Crossing)> {
+    if level.inside <= level.ring || level.outside <= level.ring {
+        return None;
+    }
+    let values = &profile.values;
+    let middle = profile.darkest;
+    let inner_level = 0.5 * (level.inside + level.ring);
+    let outer_level = 0.5 * (level.outside + level.ring);
+    let below = (1..=middle)
+        .rev()
+        .find(|&i| values[i] <= inner_level && values[i - 1] > inner_level)?;
+    let above = (middle + 1..values.len())
+        .find(|&i| values[i] >= outer_level && values[i - 1] < outer_level)?;
+    let between = |i: usize, wanted: f64| {
+        let rise = values[i] - values[i - 1];
+        Crossing {
+            radius_px: (i as f64 - 1.0 + (wanted - values[i - 1]) / rise) * profile.step_px,
+            slope: rise.abs() / profile.step_px,
+        }
+    };
+    Some((between(below, inner_level), between(above, outer_level)))
+}
+
+/// Levels of every ray, each the median over its neighbours.
+fn smoothed_levels(profiles: &[Profile]) -> Vec<Levels> {
+    let reach = ((profiles.len() as f64 * LEVEL_SMOOTHING) as usize).max(1);
+    let smooth = |of: fn(&Profile) -> f64| -> Vec<f64> {
+        let raw: Vec<f64> = profiles.iter().map(of).collect();
+        (0..raw.len())
+            .map(|i| {
+                let mut around: Vec<f64> = (0..=2 * reach)
+                    .map(|k| raw[(i + raw.len() + k - reach) % raw.len()])
+                    .collect();
+                median(&mut around)
+            })
+            .collect()
+    };
+    let (inside, ring, outside) = (
+        smooth(|p| p.inside),
+        smooth(|p| p.ring),
+        smooth(|p| p.outside),
+    );
+    (0..profiles.len())
+        .map(|i| Levels {
+            inside: inside[i],
+            ring: ring[i],
+            outside: outside[i],
+        })
+        .collect()
+}
+
+fn normal_at(ellipse: &Ellipse, point: &Point2<f64>) -> Vector2<f64> {
+    let gradient = ellipse.conic() * point.to_homogeneous();
+    gradient.xy().try_normalize(0.0).unwrap_or_else(Vector2::x)
+}
+
+/// The middle value; 0 for none.
+pub(super) fn median(values: &mut [f64]) -> f64 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}

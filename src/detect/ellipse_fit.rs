@@ -1,0 +1,210 @@
+//! An ellipse through edge points, robust to those that lie on something else (a shadow's border, a finger).
+
+use crate::centre::Ellipse;
+use nalgebra::{Matrix3, Point2, SMatrix, SVector};
+
+/// Reweighted solutions until the weights settle.
+const ROUNDS: usize = 12;
+/// Tukey's biweight constant: 95 % efficiency on normal noise.
+const TUKEY: f64 = 4.685;
+/// Residuals below this are never outliers, px: it keeps a perfect fit from rejecting its rounding errors.
+const LEAST_SCALE_PX: f64 = 0.01;
+/// Fewer inliers than this, or residuals above this fraction of the radius, call for a second start.
+const SUSPICIOUS: (f64, f64) = (0.95, 0.02);
+/// Subsets of five points that the second start tries: with a third of the points elsewhere, one in eight is good.
+const SUBSETS: usize = 60;
+/// An ellipse has five parameters; fewer points than this determine none reliably.
+const LEAST_POINTS: usize = 8;
+
+/// A fitted ellipse and how well the points agree with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct EllipseFit {
+    /// The ellipse, px.
+    pub(super) ellipse: Ellipse,
+    /// Robust standard deviation of the distances of the points, px.
+    pub(super) scale_px: f64,
+    /// Fraction of the points with any weight.
+    pub(super) inliers: f64,
+}
+
+/// Fits an ellipse by distances to the curve (to first order, Sampson 1982), with Tukey's weights.
+///
+/// The points must surround the ellipse: their mean lies inside it, so F = q . (x^2, 2xy, y^2, 2x, 2y) - 1 about that mean
+/// describes every candidate and each round is a linear problem. `None` where they determine no ellipse.
+pub(super) fn fit_ellipse(points: &[Point2<f64>]) -> Option<EllipseFit> {
+    if points.len() < LEAST_POINTS {
+        return None;
+    }
+    let n = points.len() as f64;
+    let origin: Point2<f64> = (points
+        .iter()
+        .map(|p| p.coords)
+        .sum::<nalgebra::Vector2<f64>>()
+        / n)
+        .into();
+    let radius = points.iter().map(|p| (p - origin).norm()).sum::<f64>() / n;
+    if !(radius.is_finite() && radius > 0.0) {
+        return None;
+    }
+    let unit: Vec<Point2<f64>> = points
+        .iter()
+        .map(|p| ((p - origin) / radius).into())
+        .collect();
+    let start = solve(&unit, &vec![1.0; unit.len()])?;
+    let mut best = reweight(&unit, start, radius)?;
+    if best.inliers < SUSPICIOUS.0 || best.scale > SUSPICIOUS.1 {
+        // outliers in plenty have drawn the first solution to them
+        let second = least_median(&unit).and_then(|start| reweight(&unit, start, radius));
+        best = second
+            .into_iter()
+            .chain([best])
+            .min_by(|a, b| a.scale.total_cmp(&b.scale))?;
+    }
+    let ellipse = Ellipse::from_conic(&matrix(&best.conic))?;
+    Some(EllipseFit {
+        ellipse: Ellipse {
+            centre: origin + ellipse.centre.coords * radius,
+            major: ellipse.major * radius,
+            minor: ellipse.minor * radius,
+            angle: ellipse.angle,
+        },
+        scale_px: best.scale * radius,
+        inliers: best.inliers,
+    })
+}
+
+/// A solution in units of the points' mean radius.
+struct Solution {
+    conic: SVector<f64, 5>,
+    scale: f64,
+    inliers: f64,
+}
+
+/// Improves a first solution until the weights of its points settle.
+fn reweight(unit: &[Point2<f64>], start: SVector<f64, 5>, radius_px: f64) -> Option<Solution> {
+    let mut conic = start;
+    let mut scale = f64::INFINITY;
+    let mut weights = vec![0.0; unit.len()];
+    for _ in 0..ROUNDS {
+        let residuals: Vec<(f64, f64)> = unit.iter().map(|p| sampson(&conic, p)).collect();
+        scale = robust_scale(&residuals).max(LEAST_SCALE_PX / radius_px);
+        for (weight, (distance, gradient)) in weights.iter_mut().zip(&residuals) {
+            let t = (distance / (TUKEY * scale)).powi(2);
+            let tukey = if t < 1.0 { (1.0 - t).powi(2) } else { 0.0 };
+            *weight = tukey / gradient.powi(2).max(1e-12);
+        }
+        conic = solve(unit, &weights)?;
+    }
+    let near = |p: &&Point2<f64>| sampson(&conic, p).0.abs() < TUKEY * scale;
+    Some(Solution {
+        inliers: unit.iter().filter(near).count() as f64 / unit.len() as f64,
+        conic,
+        scale,
+    })
+}
+
+/// The ellipse through five of the points with the least median distance to all (Rousseeuw 1984).
+fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
+    // a fixed sequence (Lehmer's) keeps the result the same from run to run
+    let mut state = 48_271_u64;
+    let mut pick = || {
+        state = state * 48_271 % 2_147_483_647;
+        unit[state as usize % unit.len()]
+    };
+    (0..SUBSETS)
+        .filter_map(|_| solve(&[pick(), pick(), pick(), pick(), pick()], &[1.0; 5]))
+        .map(|conic| {
+            let residuals: Vec<(f64, f64)> = unit.iter().map(|p| sampson(&conic, p)).collect();
+            (robust_scale(&residuals), conic)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, conic)| conic)
+}
+
+/// Weighted least squares of F over the points.
+fn solve(points: &[Point2<f64>], weights: &[f64]) -> Option<SVector<f64, 5>> {
+    let mut normal = SMatrix::<f64, 5, 5>::zeros();
+    let mut right = SVector::<f64, 5>::zeros();
+    for (p, &weight) in points.iter().zip(weights) {
+        let row =
+            SVector::<f64, 5>::new(p.x * p.x, 2.0 * p.x * p.y, p.y * p.y, 2.0 * p.x, 2.0 * p.y);
+        normal.ger(weight, &row, &row, 1.0);
+        right.axpy(weight, &row, 1.0);
+    }
+    normal.cholesky().map(|c| c.solve(&right))
+}
+
+/// Signed distance to the curve to first order, and the length of F's gradient there.
+fn sampson(q: &SVector<f64, 5>, p: &Point2<f64>) -> (f64, f64) {
+    let gx = 2.0 * (q[0] * p.x + q[1] * p.y + q[3]);
+    let gy = 2.0 * (q[1] * p.x + q[2] * p.y + q[4]);
+    let f = 0.5 * (gx * p.x + gy * p.y) + q[3] * p.x + q[4] * p.y - 1.0;
+    let gradient = gx.hypot(gy);
+    (f / gradient.max(1e-9), gradient)
+}
+
+fn matrix(q: &SVector<f64, 5>) -> Matrix3<f64> {
+    Matrix3::new(q[0], q[1], q[3], q[1], q[2], q[4], q[3], q[4], -1.0)
+}
+
+/// Standard deviation from the median of the absolute distances.
+fn robust_scale(residuals: &[(f64, f64)]) -> f64 {
+    let mut absolute: Vec<f64> = residuals.iter().map(|r| r.0.abs()).collect();
+    let middle = absolute.len() / 2;
+    1.4826 * *absolute.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    const TRUTH: Ellipse = Ellipse {
+        centre: Point2::new(640.3, 211.8),
+        major: 31.0,
+        minor: 19.5,
+        angle: -0.4,
+    };
+
+    fn around(n: usize) -> Vec<Point2<f64>> {
+        (0..n)
+            .map(|i| TRUTH.point(std::f64::consts::TAU * i as f64 / n as f64))
+            .collect()
+    }
+
+    #[test]
+    fn exact_points_give_the_exact_ellipse() {
+        let fit = fit_ellipse(&around(40)).unwrap();
+        assert!((fit.ellipse.centre - TRUTH.centre).norm() < 1e-9);
+        assert!((fit.ellipse.major - TRUTH.major).abs() < 1e-9);
+        assert!((fit.ellipse.angle - TRUTH.angle).abs() < 1e-9);
+        assert_eq!(fit.inliers, 1.0);
+    }
+
+    #[test]
+    fn a_fifth_of_the_points_elsewhere_does_not_matter() {
+        let mut rng = ChaCha8Rng::seed_from_u64(3);
+        let mut points = around(60);
+        for p in &mut points {
+            p.x += rng.random_range(-0.1..0.1);
+            p.y += rng.random_range(-0.1..0.1);
+        }
+        for p in points.iter_mut().take(12) {
+            *p += (TRUTH.centre - *p) * 0.25;
+        }
+        let fit = fit_ellipse(&points).unwrap();
+        assert!((fit.ellipse.centre - TRUTH.centre).norm() < 0.05);
+        assert!((fit.ellipse.minor - TRUTH.minor).abs() < 0.1);
+        assert!(fit.inliers > 0.75 && fit.inliers < 0.85, "{}", fit.inliers);
+    }
+
+    #[test]
+    fn points_that_determine_nothing_give_nothing() {
+        assert!(fit_ellipse(&around(7)).is_none());
+        assert!(fit_ellipse(&[Point2::new(3.0, 4.0); 20]).is_none());
+        let line: Vec<Point2<f64>> = (0..20).map(|i| Point2::new(f64::from(i), 2.0)).collect();
+        assert!(fit_ellipse(&line).is_none());
+        assert!(fit_ellipse(&[Point2::new(f64::NAN, 0.0); 9]).is_none());
+    }
+}

@@ -1,0 +1,242 @@
+//! The board in a lattice: which rings are which, the missing ones looked for where they must be, the verdict.
+
+use super::detection::Miss;
+use super::labelling::{Label, Lattice, extent, lattices, predicted};
+use super::orientation::{Numbering, choose};
+use super::ring_fit::{RingFit, measure};
+use crate::board::Board;
+use crate::centre::{Ellipse, RingEllipses};
+use crate::frame::Frame;
+use nalgebra::{Matrix3, Point2};
+
+/// Fraction of the board's rings that must be found, besides one in every row and column.
+const LEAST_FOUND: f64 = 0.6;
+/// A lattice as full as this shows its true extent.
+const FULL: f64 = 0.8;
+
+/// The rings of the board by row and column.
+pub(super) struct Grid {
+    /// Every ring found, (row, column) each once, by row, then column.
+    pub(super) rings: Vec<(u16, u16, RingFit)>,
+}
+
+/// Finds the board among the rings of a frame.
+pub(super) fn find_grid(
+    frame: &Frame,
+    board: &Board,
+    rings: &[RingFit],
+    sign: f64,
+) -> Result<Grid, Miss> {
+    if rings.is_empty() {
+        return Err(Miss::NoRing);
+    }
+    let spacing = board.pitch_m() / board.outer_radius_m();
+    let Some(lattice) = lattices(rings, spacing).into_iter().next() else {
+        return Err(too_few_or_no_grid(board, rings.len()));
+    };
+    let mut measured = Measured::new(frame, board, rings, sign, lattice);
+    measured.complete();
+    measured.verdict()
+}
+
+fn too_few_or_no_grid(board: &Board, found: usize) -> Miss {
+    if found < board.ring_count() {
+        Miss::TooFewRings {
+            found,
+            expected: board.ring_count(),
+        }
+    } else {
+        Miss::NoGrid {
+            found,
+            rows: board.rows(),
+            columns: board.columns(),
+        }
+    }
+}
+
+/// A lattice whose members are measured rings, and what is needed to measure more.
+struct Measured<'a> {
+    frame: &'a Frame,
+    board: &'a Board,
+    sign: f64,
+    rings: std::collections::BTreeMap<Label, RingFit>,
+    homography: Matrix3<f64>,
+}
+
+impl<'a> Measured<'a> {
+    fn new(
+        frame: &'a Frame,
+        board: &'a Board,
+        rings: &[RingFit],
+        sign: f64,
+        lattice: Lattice,
+    ) -> Self {
+        let rings = lattice
+            .members
+            .iter()
+            .map(|(&label, &at)| (label, rings[at]))
+            .collect();
+        Self {
+            frame,
+            board,
+            sign,
+            rings,
+            homography: lattice.homography,
+        }
+    }
+
+    /// Looks for rings at every free place of the board; where the lattice is smaller than the board, also one step
+    /// beyond it on each side, as long as that finds any.
+    fn complete(&mut self) {
+        for _ in 0..self.board.rows().max(self.board.columns()) {
+            let Some(places) = self.free_places() else {
+                return;
+            };
+            let found: Vec<(Label, RingFit)> = places
+                .into_iter()
+                .filter_map(|label| Some((label, self.look_at(label)?)))
+                .collect();
+            if found.is_empty() {
+                return;
+            }
+            self.rings.extend(found);
+        }
+    }
+
+    fn numbering(&self) -> Option<Numbering> {
+        let labels: Vec<Label> = self.rings.keys().copied().collect();
+        choose(
+            &labels,
+            &self.homography,
+            self.board.rows(),
+            self.board.columns(),
+        )
+    }
+
+    /// Labels without a ring within the board, or next to the lattice where it is smaller than the board.
+    fn free_places(&self) -> Option<Vec<Label>> {
+        let numbering = self.numbering()?;
+        let ((left, right), (top, bottom)) = extent(self.rings.keys().map(|&l| numbering.of(l)));
+        let grow = |first: i32, last: i32, size: i32| {
+            if last - first + 1 < size {
+                (first - 1, last + 1)
+            } else {
+                (first.max(0), last.min(size - 1))
+            }
+        };
+        let (left, right) = grow(left, right, i32::from(self.board.columns()));
+        let (top, bottom) = grow(top, bottom, i32::from(self.board.rows()));
+        let places = (top..=bottom)
+            .flat_map(|row| (left..=right).map(move |column| (column, row)))
+            .map(|place| numbering.label(place))
+            .filter(|label| !self.rings.contains_key(label))
+            .collect();
+        Some(places)
+    }
+
+    /// Measures a ring where the homography says it is.
+    fn look_at(&self, label: Label) -> Option<RingFit> {
+        let pitch = self.board.pitch_m();
+        let inner = circle_image(&self.homography, label, self.board.inner_radius_m() / pitch)?;
+        let outer = circle_image(&self.homography, label, self.board.outer_radius_m() / pitch)?;
+        let rough = RingEllipses { inner, outer };
+        let ring = measure(self.frame, &rough, self.sign, self.board.radius_ratio())?;
+        let (place, step) = predicted(&self.homography, label)?;
+        let near = (ring.ellipses.outer.centre - place).norm() < 0.25 * step;
+        let alike = (ring.ellipses.outer.major / outer.major).ln().abs() < 0.5;
+        (near && alike).then_some(ring)
+    }
+
+    fn verdict(self) -> Result<Grid, Miss> {
+        let (rows, columns) = (self.board.rows(), self.board.columns());
+        let found = self.rings.len();
+        let Some(numbering) = self.numbering() else {
+            return Err(too_few_or_no_grid(self.board, found));
+        };
+        if let Some((found_rows, found_columns)) = self.other_size(numbering) {
+            return Err(Miss::WrongSize {
+                found_rows,
+                found_columns,
+                rows,
+                columns,
+            });
+        }
+        let mut rings: Vec<(u16, u16, RingFit)> = self
+            .rings
+            .iter()
+            .filter_map(|(&label, &ring)| {
+                let (column, row) = numbering.of(label);
+                let column = u16::try_from(column).ok().filter(|&c| c < columns)?;
+                let row = u16::try_from(row).ok().filter(|&r| r < rows)?;
+                Some((row, column, ring))
+            })
+            .collect();
+        rings.sort_by_key(|&(row, column, _)| (row, column));
+        let every_row = (0..rows).all(|r| rings.iter().any(|ring| ring.0 == r));
+        let every_column = (0..columns).all(|c| rings.iter().any(|ring| ring.1 == c));
+        let enough = rings.len() as f64 >= LEAST_FOUND * self.board.ring_count() as f64;
+        if every_row && every_column && enough {
+            Ok(Grid { rings })
+        } else {
+            Err(Miss::TooFewRings {
+                found: rings.len(),
+                expected: self.board.ring_count(),
+            })
+        }
+    }
+
+    /// Rows and columns seen, where the lattice is nearly full and does not have the board's size, and is not merely cut
+    /// off by the frame's border.
+    fn other_size(&self, numbering: Numbering) -> Option<(usize, usize)> {
+        let ((left, right), (top, bottom)) = extent(self.rings.keys().map(|&l| numbering.of(l)));
+        let seen = ((bottom - top + 1) as usize, (right - left + 1) as usize);
+        let wanted = (
+            usize::from(self.board.rows()),
+            usize::from(self.board.columns()),
+        );
+        let full = self.rings.len() as f64 >= FULL * (seen.0 * seen.1) as f64;
+        let smaller = seen.0 < wanted.0 || seen.1 < wanted.1;
+        let larger = seen.0 > wanted.0 || seen.1 > wanted.1;
+        let odd = full
+            && (larger || (smaller && !self.is_cut_off(numbering, (left, right), (top, bottom))));
+        odd.then_some(seen)
+    }
+
+    /// Whether a place one step beyond the lattice lies outside the frame (or so near its border that a ring there is
+    /// cut).
+    fn is_cut_off(&self, numbering: Numbering, columns: (i32, i32), rows: (i32, i32)) -> bool {
+        let ring = self.board.outer_radius_m() / self.board.pitch_m();
+        let inside = |place: Label| {
+            predicted(&self.homography, numbering.label(place)).is_some_and(|(p, step)| {
+                let margin = ring * step;
+                let within = |v: f64, size: usize| v >= margin && v <= size as f64 - 1.0 - margin;
+                within(p.x, self.frame.width()) && within(p.y, self.frame.height())
+            })
+        };
+        let beyond = |i: i32, (first, last): (i32, i32)| i < first || i > last;
+        (rows.0 - 1..=rows.1 + 1)
+            .flat_map(|row| (columns.0 - 1..=columns.1 + 1).map(move |column| (column, row)))
+            .filter(|&(column, row)| beyond(column, columns) || beyond(row, rows))
+            .any(|place| !inside(place))
+    }
+}
+
+/// The image of a circle about a label; its radius in pitches.
+fn circle_image(homography: &Matrix3<f64>, label: Label, radius: f64) -> Option<Ellipse> {
+    let (x, y) = (f64::from(label.0), f64::from(label.1));
+    let circle = Matrix3::new(
+        1.0,
+        0.0,
+        -x, //
+        0.0,
+        1.0,
+        -y, //
+        -x,
+        -y,
+        x * x + y * y - radius * radius,
+    );
+    let inverse = homography.try_inverse()?;
+    let ellipse = Ellipse::from_conic(&(inverse.transpose() * circle * inverse))?;
+    let finite = |p: &Point2<f64>| p.x.is_finite() && p.y.is_finite();
+    (finite(&ellipse.centre) && ellipse.major < 1e5).then_some(ellipse)
+}

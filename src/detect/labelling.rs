@@ -1,0 +1,234 @@
+//! Rings that stand in a grid: each gets a column and a row by walking from neighbour to neighbour.
+//!
+//! Every ring carries a scale of its own: in the coordinates in which its outer ellipse is the unit circle, its
+//! neighbours stand at pitch over outer radius, at right angles, whatever the view.
+
+use super::homography::{apply, fit_homography};
+use super::ring_fit::RingFit;
+use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
+use std::collections::{BTreeMap, VecDeque};
+
+/// A neighbour's distance over the expected one; a diagonal neighbour stands at 1.41.
+const NEIGHBOUR: (f64, f64) = (0.7, 1.3);
+/// How far the axes of a seed may be from a right angle (cosine).
+const RIGHT_ANGLE: f64 = 0.4;
+/// How far from its predicted place a ring may be, as a fraction of the step there.
+const WALK_TOLERANCE: f64 = 0.3;
+/// The same once a homography predicts.
+const FIT_TOLERANCE: f64 = 0.2;
+/// The least lattice worth a homography.
+const LEAST_MEMBERS: usize = 4;
+
+/// Column and row of a lattice: the origin and the quarter turn are arbitrary, the handedness is not.
+pub(super) type Label = (i32, i32);
+
+/// Rings by their place in a lattice.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Lattice {
+    /// Index of the ring at each label.
+    pub(super) members: BTreeMap<Label, usize>,
+    /// Label (column, row) to frame px.
+    pub(super) homography: Matrix3<f64>,
+}
+
+/// The lattices that the rings form, largest first; each ring is in at most one. `spacing` is pitch over outer radius.
+pub(super) fn lattices(rings: &[RingFit], spacing: f64) -> Vec<Lattice> {
+    let nodes: Vec<Node> = rings.iter().map(Node::of).collect();
+    let mut free = vec![true; nodes.len()];
+    let mut found = Vec::new();
+    for seed in 0..nodes.len() {
+        if !free[seed] {
+            continue;
+        }
+        let Some(lattice) =
+            grow(&nodes, &free, seed, spacing).and_then(|m| settle(&nodes, &free, m))
+        else {
+            continue;
+        };
+        for &member in lattice.members.values() {
+            free[member] = false;
+        }
+        found.push(lattice);
+    }
+    found.sort_by_key(|l| std::cmp::Reverse(l.members.len()));
+    found
+}
+
+/// A ring's place and the map to the coordinates in which its outer ellipse is the unit circle.
+struct Node {
+    centre: Point2<f64>,
+    to_unit: Matrix2<f64>,
+}
+
+impl Node {
+    fn of(ring: &RingFit) -> Self {
+        let outer = &ring.ellipses.outer;
+        let (sin, cos) = outer.angle.sin_cos();
+        let turn = Matrix2::new(cos, sin, -sin, cos);
+        let shrink = Matrix2::new(1.0 / outer.major, 0.0, 0.0, 1.0 / outer.minor);
+        Self {
+            centre: outer.centre,
+            to_unit: turn.transpose() * shrink * turn,
+        }
+    }
+}
+
+/// Labels reached from a seed by steps that the seed's two axes predict and the walk updates.
+fn grow(
+    nodes: &[Node],
+    free: &[bool],
+    seed: usize,
+    spacing: f64,
+) -> Option<BTreeMap<Label, usize>> {
+    let axes = seed_axes(nodes, free, seed, spacing)?;
+    let mut members = BTreeMap::from([((0, 0), seed)]);
+    let mut taken = vec![false; nodes.len()];
+    taken[seed] = true;
+    let mut queue = VecDeque::from([((0, 0), axes)]);
+    while let Some((label, axes)) = queue.pop_front() {
+        let here = nodes[members[&label]].centre;
+        for (axis, direction) in [(0, 1), (0, -1), (1, 1), (1, -1)] {
+            let next = if axis == 0 {
+                (label.0 + direction, label.1)
+            } else {
+                (label.0, label.1 + direction)
+            };
+            let step = axes[axis] * f64::from(direction);
+            let usable = |i: usize| free[i] && !taken[i];
+            if members.contains_key(&next) {
+                continue;
+            }
+            let Some(at) = nearest(nodes, here + step, WALK_TOLERANCE * step.norm(), usable) else {
+                continue;
+            };
+            taken[at] = true;
+            members.insert(next, at);
+            let mut moved = axes;
+            moved[axis] = (nodes[at].centre - here) * f64::from(direction);
+            queue.push_back((next, moved));
+        }
+    }
+    (members.len() >= LEAST_MEMBERS).then_some(members)
+}
+
+/// The two neighbours of a seed that stand best at a right angle, as steps of the column and of the row.
+fn seed_axes(
+    nodes: &[Node],
+    free: &[bool],
+    seed: usize,
+    spacing: f64,
+) -> Option<[Vector2<f64>; 2]> {
+    let range = NEIGHBOUR.0 * spacing..NEIGHBOUR.1 * spacing;
+    let here = &nodes[seed];
+    let neighbours: Vec<(Vector2<f64>, Vector2<f64>)> = nodes
+        .iter()
+        .enumerate()
+        .filter(|&(i, _)| i != seed && free[i])
+        .map(|(_, node)| (node, node.centre - here.centre))
+        .filter(|(node, step)| {
+            range.contains(&(here.to_unit * step).norm())
+                && range.contains(&(node.to_unit * step).norm())
+        })
+        .map(|(_, step)| (step, here.to_unit * step))
+        .collect();
+    let mut best: Option<(f64, [Vector2<f64>; 2])> = None;
+    for (column, unit_column) in &neighbours {
+        for (row, unit_row) in &neighbours {
+            let cosine = unit_column.normalize().dot(&unit_row.normalize()).abs();
+            let stretch = (unit_column.norm() / unit_row.norm()).ln().abs();
+            let score = cosine + stretch;
+            let right_handed = column.perp(row) > 0.0;
+            if right_handed && cosine < RIGHT_ANGLE && best.is_none_or(|(b, _)| score < b) {
+                best = Some((score, [*column, *row]));
+            }
+        }
+    }
+    best.map(|(_, axes)| axes)
+}
+
+/// Fits a homography, drops the rings that disagree with it and adds those that it predicts.
+fn settle(nodes: &[Node], free: &[bool], mut members: BTreeMap<Label, usize>) -> Option<Lattice> {
+    let mut homography = lattice_homography(nodes, &members)?;
+    for _ in 0..8 {
+        let before = members.clone();
+        members.retain(|&label, &mut at| {
+            predicted(&homography, label).is_some_and(|(place, step)| {
+                (nodes[at].centre - place).norm() < FIT_TOLERANCE * step
+            })
+        });
+        homography = lattice_homography(nodes, &members)?;
+        for label in around(&members) {
+            let Some((place, step)) = predicted(&homography, label) else {
+                continue;
+            };
+            let usable = |i: usize| free[i] && !members.values().any(|&m| m == i);
+            if let Some(at) = nearest(nodes, place, FIT_TOLERANCE * step, usable) {
+                members.insert(label, at);
+            }
+        }
+        if members == before {
+            break;
+        }
+        homography = lattice_homography(nodes, &members)?;
+    }
+    Some(Lattice {
+        members,
+        homography,
+    })
+}
+
+/// Free labels within one step of the labels' extent.
+fn around(members: &BTreeMap<Label, usize>) -> Vec<Label> {
+    let ((left, right), (top, bottom)) = extent(members.keys().copied());
+    (top - 1..=bottom + 1)
+        .flat_map(|row| (left - 1..=right + 1).map(move |column| (column, row)))
+        .filter(|label| !members.contains_key(label))
+        .collect()
+}
+
+/// First and last column, first and last row.
+pub(super) fn extent(labels: impl Iterator<Item = Label>) -> ((i32, i32), (i32, i32)) {
+    labels.fold(
+        ((i32::MAX, i32::MIN), (i32::MAX, i32::MIN)),
+        |((left, right), (top, bottom)), (column, row)| {
+            (
+                (left.min(column), right.max(column)),
+                (top.min(row), bottom.max(row)),
+            )
+        },
+    )
+}
+
+/// Where a label lies in the frame and how long the shorter step to its neighbours is there, px.
+pub(super) fn predicted(homography: &Matrix3<f64>, label: Label) -> Option<(Point2<f64>, f64)> {
+    let at = Point2::new(f64::from(label.0), f64::from(label.1));
+    let place = apply(homography, at)?;
+    let column = apply(homography, at + Vector2::x())? - place;
+    let row = apply(homography, at + Vector2::y())? - place;
+    Some((place, column.norm().min(row.norm())))
+}
+
+fn lattice_homography(nodes: &[Node], members: &BTreeMap<Label, usize>) -> Option<Matrix3<f64>> {
+    let pairs: Vec<_> = members
+        .iter()
+        .map(|(label, &at)| {
+            let plane = Point2::new(f64::from(label.0), f64::from(label.1));
+            (plane, nodes[at].centre)
+        })
+        .collect();
+    fit_homography(&pairs)
+}
+
+fn nearest(
+    nodes: &[Node],
+    place: Point2<f64>,
+    tolerance_px: f64,
+    usable: impl Fn(usize) -> bool,
+) -> Option<usize> {
+    (0..nodes.len())
+        .filter(|&i| usable(i))
+        .map(|i| (i, (nodes[i].centre - place).norm()))
+        .filter(|&(_, distance)| distance < tolerance_px)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(i, _)| i)
+}

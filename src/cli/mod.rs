@@ -8,6 +8,8 @@ mod detect;
 mod node;
 mod simulate;
 
+use crate::board::Board;
+use anyhow::Context;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::path::Path;
@@ -66,4 +68,11 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Reads a board file; the error names it.
+fn board_file(path: &Path) -> anyhow::Result<Board> {
+    let text =
+        std::fs::read_to_string(path).with_context(|| format!("board file {}", path.display()))?;
+    Board::from_yaml(&text).with_context(|| format!("board file {}", path.display()))
 }

@@ -60,19 +60,23 @@ fn surrounded(band: &BandPass, blob: &Blob, ratio: f64) -> Option<RingEllipses> 
     looks_concentric(&ring, ratio, 2.0).then_some(ring)
 }
 
-/// Whether two ellipses can be the circles of one ring: nested, alike in shape, and their sizes in the board's `ratio`
-/// within the factor `slack`.
+/// Blur lets the inner edge shrink and the outer one grow, down to this fraction of the board's radius ratio before the
+/// inner disc drowns.
+const MOST_SHRINKAGE: f64 = 0.33;
+
+/// Whether two ellipses can be the circles of one ring: nested, alike in shape, and their sizes in the board's `ratio`,
+/// less what blur takes from it and within the factor `slack` above it.
 pub(super) fn looks_concentric(ring: &RingEllipses, ratio: f64, slack: f64) -> bool {
     let size = |e: &Ellipse| (e.major * e.minor).sqrt();
     let (inner, outer) = (size(&ring.inner), size(&ring.outer));
     let found = inner / outer;
     let aspects = (ring.inner.minor / ring.inner.major) / (ring.outer.minor / ring.outer.major);
     let apart = (ring.inner.centre - ring.outer.centre).norm();
-    found > ratio / slack
+    found > ratio * MOST_SHRINKAGE
         && found < (ratio * slack).min(0.5 * (1.0 + ratio))
         && apart < 0.3 * (outer - inner)
         && ring.outer.minor > 0.2 * ring.outer.major
-        && (1.0 / slack..slack).contains(&aspects)
+        && (0.5..2.0).contains(&aspects)
 }
 
 /// The matrix that carries the unit circle to the ellipse with this spread.

@@ -23,7 +23,7 @@ pub(super) struct RingEdges {
     pub(super) inner: Vec<Point2<f64>>,
     /// On the outer circle's image, px.
     pub(super) outer: Vec<Point2<f64>>,
-    /// Blur of the outer edge at each of its points, px (standard deviation of a Gaussian).
+    /// Blur of the outer edge along the rays that show it whole, px (standard deviation of a Gaussian).
     pub(super) blur_sigma_px: Vec<f64>,
     /// Median grey difference across the outer edge, 0..1.
     pub(super) contrast: f64,
@@ -62,28 +62,23 @@ pub(super) fn ring_edges<T: Pixel>(
         let Some((inner, outer)) = crossings(profile, level) else {
             continue;
         };
-        edges.inner.push(profile.point(inner.radius_px));
-        edges.outer.push(profile.point(outer.radius_px));
-        let normal = normal_at(&rough.outer, &profile.point(outer.radius_px));
-        let across = normal.dot(&profile.direction).abs();
-        let height = level.outside - level.ring;
+        edges.inner.push(profile.point(inner));
+        edges.outer.push(profile.point(outer));
+        let across = normal_at(&rough.outer, &profile.point(outer))
+            .dot(&profile.direction)
+            .abs();
+        let along = profile.blur_sigma_px(level.ring, level.outside, outer);
         edges
             .blur_sigma_px
-            .push(profile.blur_sigma_px(height, outer.slope) * across);
+            .extend(along.map(|sigma| sigma * across));
     }
     let mut contrasts: Vec<f64> = levels.iter().map(|l| l.outside - l.ring).collect();
     edges.contrast = median(&mut contrasts);
     (edges.inner.len() >= least).then_some(edges)
 }
 
-/// Where and how steeply a profile crosses a level.
-struct Crossing {
-    radius_px: f64,
-    slope: f64,
-}
-
-/// The two mid-level crossings nearest to the ring's extremum.
-fn crossings(profile: &Profile, level: &Levels) -> Option<(Crossing, Crossing)> {
+/// The two mid-level crossings nearest to the ring's extremum, px from the profile's origin.
+fn crossings(profile: &Profile, level: &Levels) -> Option<(f64, f64)> {
     if level.inside <= level.ring || level.outside <= level.ring {
         return None;
     }
@@ -97,11 +92,8 @@ fn crossings(profile: &Profile, level: &Levels) -> Option<(Crossing, Crossing)> 
     let above = (middle + 1..values.len())
         .find(|&i| values[i] >= outer_level && values[i - 1] < outer_level)?;
     let between = |i: usize, wanted: f64| {
-        let rise = values[i] - values[i - 1];
-        Crossing {
-            radius_px: (i as f64 - 1.0 + (wanted - values[i - 1]) / rise) * profile.step_px,
-            slope: rise.abs() / profile.step_px,
-        }
+        let part = (wanted - values[i - 1]) / (values[i] - values[i - 1]);
+        (i as f64 - 1.0 + part) * profile.step_px
     };
     Some((between(below, inner_level), between(above, outer_level)))
 }

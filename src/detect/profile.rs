@@ -32,8 +32,12 @@ pub(super) struct Profile {
     pub(super) ring: f64,
     /// Highest value beyond the outer edge.
     pub(super) outside: f64,
-    smoothing_px: f64,
+    /// Grey values as sampled.
+    raw: Vec<f64>,
 }
+
+/// Distance between the quartiles of an edge blurred by a Gaussian, in its standard deviations.
+const QUARTILES: f64 = 1.348_979_5;
 
 impl Profile {
     /// The point of the picture at a distance along the ray, px.
@@ -41,13 +45,28 @@ impl Profile {
         self.origin + self.direction * radius_px
     }
 
-    /// The Gaussian whose edge of this height has this slope, less what sampling and smoothing added.
-    pub(super) fn blur_sigma_px(&self, height: f64, slope: f64) -> f64 {
-        let along = height / ((2.0 * std::f64::consts::PI).sqrt() * slope.max(1e-9));
-        let smoothing = self.smoothing_px * self.smoothing_px / 12.0;
-        (along * along - smoothing - SAMPLING_VARIANCE_PX2)
-            .max(0.0)
-            .sqrt()
+    /// The Gaussian whose edge rises from a quarter to three quarters of the height over the same distance, less what
+    /// sampling added; `None` where the profile ends before it has risen. `low` and `high` are the levels of the edge,
+    /// `radius_px` is where it passes between them. Taken from the profile as sampled: smoothing would widen a sharp edge.
+    pub(super) fn blur_sigma_px(&self, low: f64, high: f64, radius_px: f64) -> Option<f64> {
+        let level = |fraction: f64| low + fraction * (high - low);
+        let middle = (radius_px / self.step_px) as usize;
+        let begin = (1..=middle + 1)
+            .rev()
+            .find(|&i| self.raw.get(i - 1).is_some_and(|&v| v <= level(0.25)))?;
+        let end = (middle..self.raw.len()).find(|&i| self.raw[i] >= level(0.75))?;
+        let at = |i: usize, wanted: f64| {
+            let (before, after) = (self.raw[i - 1], self.raw[i]);
+            let part = if after > before {
+                ((wanted - before) / (after - before)).clamp(0.0, 1.0)
+            } else {
+                0.5
+            };
+            (i as f64 - 1.0 + part) * self.step_px
+        };
+        let rise_px = at(end.max(1), level(0.75)) - at(begin, level(0.25));
+        let sigma = rise_px / QUARTILES;
+        Some((sigma * sigma - SAMPLING_VARIANCE_PX2).max(0.0).sqrt())
     }
 }
 
@@ -98,7 +117,7 @@ pub(super) fn sample<T: Pixel>(
         ring: values[darkest],
         outside: highest(index(outer_px), values.len()),
         values,
-        smoothing_px: (2 * half + 1) as f64 * step_px,
+        raw,
     })
 }
 

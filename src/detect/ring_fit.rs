@@ -74,5 +74,5 @@ fn is_ring(inner: &EllipseFit, outer: &EllipseFit, ellipses: &RingEllipses, rati
     [inner, outer]
         .iter()
         .all(|fit| fit.inliers >= LEAST_INLIERS && fit.scale_px <= most_stray)
-        && looks_concentric(ellipses, ratio, 1.6)
+        && looks_concentric(ellipses, ratio, 1.5)
 }

@@ -51,7 +51,10 @@ impl From<&Ring> for PointLine {
             col: ring.column,
             x: ring.centre.point.x,
             y: ring.centre.point.y,
-            cov: ring.centre.covariance.map(|c| [c[(0, 0)], c[(0, 1)], c[(1, 1)]]),
+            cov: ring
+                .centre
+                .covariance
+                .map(|c| [c[(0, 0)], c[(0, 1)], c[(1, 1)]]),
             blur_sigma: ring.blur_sigma_px,
         }
     }
@@ -114,11 +117,19 @@ impl DetectionLine {
                 self.image,
                 self.points.len()
             ),
-            (reason, ..) => format!("{}: {}", self.image, reason.as_deref().unwrap_or("no board")),
+            (reason, ..) => format!(
+                "{}: {}",
+                self.image,
+                reason.as_deref().unwrap_or("no board")
+            ),
         };
         for p in &self.points {
             // writing to a String does not fail
-            let _ = write!(text, "\n  row {:2} column {:2}  x {:9.3}  y {:9.3}", p.row, p.col, p.x, p.y);
+            let _ = write!(
+                text,
+                "\n  row {:2} column {:2}  x {:9.3}  y {:9.3}",
+                p.row, p.col, p.x, p.y
+            );
             if let Some([xx, _, yy]) = p.cov {
                 let _ = write!(text, "  +- {:.3} {:.3}", xx.sqrt(), yy.sqrt());
             }

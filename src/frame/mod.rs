@@ -1,10 +1,16 @@
 //! Pixels in: one grey frame in the bit depth it came in, and the views of it that later stages read.
 //!
-//! A [`Frame`] is grey, 8 or 16 bit, rows contiguous. `encoding` turns a `sensor_msgs/Image` into one.
+//! A [`Frame`] is grey, 8 or 16 bit, rows contiguous. [`RawImage`] turns a `sensor_msgs/Image` into one,
+//! [`Frame::decode`] a `CompressedImage` or an image file.
 //! Pixel coordinates everywhere: x right, y down, the centre of the top-left pixel is (0, 0).
 
+mod compressed;
+mod encoding;
+mod luma;
 mod plane;
 
+pub use compressed::DecodeError;
+pub use encoding::{FrameError, RawImage};
 pub use plane::{Pixel, Plane};
 
 /// The pixels of a frame in the depth they came in.

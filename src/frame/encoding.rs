@@ -1,0 +1,409 @@
+//! `sensor_msgs/Image` to a grey [`Frame`].
+//!
+//! A message is bytes and a promise of what they mean: `height` rows of `step` bytes, each row `width` pixels of
+//! `encoding` and then padding that means nothing. [`RawImage::into_frame`] checks the promise and keeps the
+//! pixels in the depth they came in; colour becomes the BT.601 luma, alpha is ignored.
+//!
+//! How strict: as `cv_bridge`, which most of ROS reads images with. `data` must be `step * height` bytes, not one more
+//! or less. In particular the padding of the last row must be there, and data that is too long is refused, because
+//! both mean that the numbers are not those of this picture.
+
+use super::luma::luma8;
+use super::{Frame, Pixels, Plane, Stamp};
+
+/// The fields of a `sensor_msgs/Image` that describe its pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RawImage {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// A name from `sensor_msgs/image_encodings.hpp`.
+    pub encoding: String,
+    /// Byte order of 16-bit pixels.
+    pub is_bigendian: bool,
+    /// Bytes from the start of one row to the start of the next.
+    pub step: u32,
+    /// The rows with their padding.
+    pub data: Vec<u8>,
+}
+
+/// Why bytes are not a frame.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FrameError {
+    /// An encoding that is not read.
+    #[error(
+        "image encoding {encoding:?} is not supported; supported are {}",
+        supported()
+    )]
+    UnsupportedEncoding {
+        /// The name in the message.
+        encoding: String,
+    },
+    /// A picture without pixels.
+    #[error("the image is {width} x {height} px: it has no pixels")]
+    Empty {
+        /// Width in the message, px.
+        width: u32,
+        /// Height in the message, px.
+        height: u32,
+    },
+    /// Rows that overlap.
+    #[error("step is {step} bytes, but a row of {width} px in {encoding} takes {row_bytes} bytes")]
+    StepTooSmall {
+        /// Bytes from row to row in the message.
+        step: u32,
+        /// Width in the message, px.
+        width: u32,
+        /// The name in the message.
+        encoding: String,
+        /// Bytes of a row without padding.
+        row_bytes: u64,
+    },
+    /// Data of another length than the header says.
+    #[error(
+        "the image has {found} bytes of data, but step * height = {step} * {height} = {expected}"
+    )]
+    DataLength {
+        /// Bytes in the message.
+        found: usize,
+        /// Bytes from row to row in the message.
+        step: u32,
+        /// Height in the message, px.
+        height: u32,
+        /// Their product.
+        expected: u64,
+    },
+}
+
+/// What the bytes of one pixel are, in order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Layout {
+    Grey8,
+    Grey16,
+    Rgb,
+    Bgr,
+    Rgba,
+    Bgra,
+}
+
+/// Every encoding that is read, by its name in `image_encodings.hpp`.
+const LAYOUTS: [(&str, Layout); 8] = [
+    ("mono8", Layout::Grey8),
+    ("mono16", Layout::Grey16),
+    ("rgb8", Layout::Rgb),
+    ("bgr8", Layout::Bgr),
+    ("rgba8", Layout::Rgba),
+    ("bgra8", Layout::Bgra),
+    ("8UC1", Layout::Grey8),
+    ("16UC1", Layout::Grey16),
+];
+
+fn supported() -> String {
+    LAYOUTS.map(|(name, _)| name).join(", ")
+}
+
+impl Layout {
+    fn of(encoding: &str) -> Option<Self> {
+        let known = LAYOUTS.into_iter().find(|(name, _)| *name == encoding);
+        known.map(|(_, layout)| layout)
+    }
+
+    fn pixel_bytes(self) -> usize {
+        match self {
+            Self::Grey8 => 1,
+            Self::Grey16 => 2,
+            Self::Rgb | Self::Bgr => 3,
+            Self::Rgba | Self::Bgra => 4,
+        }
+    }
+}
+
+impl RawImage {
+    /// The grey picture in the depth it came in; `source` is the message's `frame_id`. 8-bit grey is moved, not
+    /// copied.
+    ///
+    /// # Errors
+    /// [`FrameError`] where the encoding is not read or the sizes do not add up.
+    pub fn into_frame(self, stamp: Stamp, source: impl Into<String>) -> Result<Frame, FrameError> {
+        let layout = self.checked_layout()?;
+        let (width, height, step) = (
+            self.width as usize,
+            self.height as usize,
+            self.step as usize,
+        );
+        let big_endian = self.is_bigendian;
+        let rows = Rows {
+            data: self.data,
+            step,
+            row_bytes: width * layout.pixel_bytes(),
+        };
+        let eight = |grey| Plane::from_vec(width, height, grey).map(Pixels::U8);
+        let pixels = match layout {
+            Layout::Grey8 => eight(rows.into_packed()),
+            Layout::Grey16 => {
+                Plane::from_vec(width, height, rows.words(big_endian)).map(Pixels::U16)
+            }
+            Layout::Rgb => eight(rows.map(|&[r, g, b]| luma8(r, g, b))),
+            Layout::Bgr => eight(rows.map(|&[b, g, r]| luma8(r, g, b))),
+            Layout::Rgba => eight(rows.map(|&[r, g, b, _]| luma8(r, g, b))),
+            Layout::Bgra => eight(rows.map(|&[b, g, r, _]| luma8(r, g, b))),
+        };
+        Ok(Frame {
+            // step * height was compared with the data, so every row is there
+            pixels: pixels.expect("checked_layout saw height rows of width pixels"),
+            stamp,
+            source: source.into(),
+        })
+    }
+
+    fn checked_layout(&self) -> Result<Layout, FrameError> {
+        let layout = Layout::of(&self.encoding).ok_or_else(|| FrameError::UnsupportedEncoding {
+            encoding: self.encoding.clone(),
+        })?;
+        if self.width == 0 || self.height == 0 {
+            return Err(FrameError::Empty {
+                width: self.width,
+                height: self.height,
+            });
+        }
+        // 32-bit numbers multiplied in 64 bits: neither product can overflow
+        let row_bytes = u64::from(self.width) * layout.pixel_bytes() as u64;
+        if u64::from(self.step) < row_bytes {
+            return Err(FrameError::StepTooSmall {
+                step: self.step,
+                width: self.width,
+                encoding: self.encoding.clone(),
+                row_bytes,
+            });
+        }
+        let expected = u64::from(self.step) * u64::from(self.height);
+        if self.data.len() as u64 != expected {
+            return Err(FrameError::DataLength {
+                found: self.data.len(),
+                step: self.step,
+                height: self.height,
+                expected,
+            });
+        }
+        Ok(layout)
+    }
+}
+
+/// Rows of `step` bytes of which the first `row_bytes` are pixels.
+struct Rows {
+    data: Vec<u8>,
+    step: usize,
+    row_bytes: usize,
+}
+
+impl Rows {
+    fn iter(&self) -> impl Iterator<Item = &[u8]> {
+        self.data
+            .chunks_exact(self.step)
+            .map(|row| &row[..self.row_bytes])
+    }
+
+    /// The pixels without padding, in the same memory.
+    fn into_packed(mut self) -> Vec<u8> {
+        if self.step != self.row_bytes {
+            let height = self.data.len() / self.step;
+            for y in 1..height {
+                let start = y * self.step;
+                self.data
+                    .copy_within(start..start + self.row_bytes, y * self.row_bytes);
+            }
+            self.data.truncate(height * self.row_bytes);
+        }
+        self.data
+    }
+
+    /// 16-bit pixels in the machine's byte order.
+    fn words(&self, big_endian: bool) -> Vec<u16> {
+        if big_endian {
+            self.map(|&pair| u16::from_be_bytes(pair))
+        } else {
+            self.map(|&pair| u16::from_le_bytes(pair))
+        }
+    }
+
+    /// One grey value for every `N` bytes.
+    fn map<const N: usize, T>(&self, grey: impl Fn(&[u8; N]) -> T) -> Vec<T> {
+        let mut out = Vec::with_capacity(self.data.len() / N);
+        for row in self.iter() {
+            out.extend(row.as_chunks::<N>().0.iter().map(&grey));
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn raw(width: u32, height: u32, encoding: &str, step: u32, data: Vec<u8>) -> RawImage {
+        RawImage {
+            width,
+            height,
+            encoding: encoding.into(),
+            is_bigendian: false,
+            step,
+            data,
+        }
+    }
+
+    fn pixels(image: RawImage) -> Pixels {
+        image.into_frame(Stamp::default(), "cam").unwrap().pixels
+    }
+
+    /// The rows with `padding` bytes of rubbish after each.
+    fn padded(packed: &RawImage, padding: u32) -> RawImage {
+        let mut data = Vec::new();
+        for row in packed.data.chunks(packed.step as usize) {
+            data.extend_from_slice(row);
+            data.extend((0..padding).map(|k| 0xA5 ^ k as u8));
+        }
+        RawImage {
+            step: packed.step + padding,
+            data,
+            ..packed.clone()
+        }
+    }
+
+    fn random_picture(pixel_bytes: u32) -> impl Strategy<Value = (u32, u32, Vec<u8>)> {
+        (1_u32..20, 1_u32..12).prop_flat_map(move |(width, height)| {
+            let length = (width * height * pixel_bytes) as usize;
+            proptest::collection::vec(any::<u8>(), length)
+                .prop_map(move |data| (width, height, data))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn padding_means_nothing(
+            (width, height, data) in random_picture(12), padding in 1_u32..9,
+        ) {
+            for (encoding, layout) in LAYOUTS {
+                let bytes = layout.pixel_bytes();
+                let data = data[..(width * height) as usize * bytes].to_vec();
+                let packed = raw(width, height, encoding, width * bytes as u32, data);
+                prop_assert_eq!(pixels(padded(&packed, padding)), pixels(packed));
+            }
+        }
+
+        #[test]
+        fn byte_order_is_a_promise_and_not_a_property((width, height, data) in random_picture(2)) {
+            let little = raw(width, height, "mono16", 2 * width, data.clone());
+            let swapped: Vec<u8> = data.chunks(2).flat_map(|p| [p[1], p[0]]).collect();
+            let big = RawImage { is_bigendian: true, data: swapped, ..little.clone() };
+            let same = RawImage { encoding: "16UC1".into(), ..little.clone() };
+            let expected: Vec<u16> =
+                data.chunks(2).map(|p| u16::from(p[0]) + 256 * u16::from(p[1])).collect();
+            let plane = Plane::from_vec(width as usize, height as usize, expected).unwrap();
+            let expected = Pixels::U16(plane);
+            prop_assert_eq!(&pixels(little), &expected);
+            prop_assert_eq!(&pixels(big), &expected);
+            prop_assert_eq!(&pixels(same), &expected);
+        }
+
+        #[test]
+        fn channel_orders_agree((width, height, rgb) in random_picture(3), alpha: u8) {
+            let each = |order: &[usize], alpha: Option<u8>| -> Vec<u8> {
+                rgb.chunks(3)
+                    .flat_map(|p| order.iter().map(|&k| p[k]).chain(alpha).collect::<Vec<_>>())
+                    .collect()
+            };
+            let expected = pixels(raw(width, height, "rgb8", 3 * width, rgb.clone()));
+            let bgr = raw(width, height, "bgr8", 3 * width, each(&[2, 1, 0], None));
+            let rgba = raw(width, height, "rgba8", 4 * width, each(&[0, 1, 2], Some(alpha)));
+            let bgra = raw(width, height, "bgra8", 4 * width, each(&[2, 1, 0], Some(alpha)));
+            prop_assert_eq!(&pixels(bgr), &expected);
+            prop_assert_eq!(&pixels(rgba), &expected);
+            prop_assert_eq!(&pixels(bgra), &expected);
+        }
+
+        #[test]
+        fn no_header_makes_it_panic(
+            width: u32, height: u32, step: u32, data: Vec<u8>, big: bool, layout in 0..LAYOUTS.len(),
+        ) {
+            let image = RawImage {
+                is_bigendian: big,
+                ..raw(width, height, LAYOUTS[layout].0, step, data)
+            };
+            let _ = image.into_frame(Stamp::default(), "");
+        }
+    }
+
+    #[test]
+    fn colour_is_weighed_and_alpha_is_not() {
+        let frame = pixels(raw(2, 1, "bgra8", 8, vec![0, 0, 255, 0, 255, 0, 0, 9]));
+        assert_eq!(
+            frame,
+            Pixels::U8(Plane::from_vec(2, 1, vec![76, 29]).unwrap())
+        );
+    }
+
+    #[test]
+    fn packed_grey_is_moved_and_not_copied() {
+        let data = vec![7; 6];
+        let address = data.as_ptr();
+        let Pixels::U8(plane) = pixels(raw(3, 2, "mono8", 3, data)) else {
+            panic!("mono8 is 8 bit");
+        };
+        assert_eq!(plane.data().as_ptr(), address);
+    }
+
+    #[test]
+    fn stamp_and_frame_id_are_kept() {
+        let stamp = Stamp {
+            sec: 3,
+            nanosec: 14,
+        };
+        let frame = raw(1, 1, "8UC1", 1, vec![5])
+            .into_frame(stamp, "left")
+            .unwrap();
+        assert_eq!((frame.stamp, frame.source.as_str()), (stamp, "left"));
+    }
+
+    #[test]
+    fn refusals_name_the_encoding_or_the_two_numbers() {
+        let refused = |image: RawImage| {
+            let error = image.into_frame(Stamp::default(), "").unwrap_err();
+            error.to_string()
+        };
+        let bayer = refused(raw(2, 2, "bayer_rggb8", 2, vec![0; 4]));
+        assert!(
+            bayer.contains("\"bayer_rggb8\"") && bayer.contains("mono16"),
+            "{bayer}"
+        );
+        let narrow = refused(raw(5, 2, "rgb8", 14, vec![0; 28]));
+        assert!(narrow.contains("14") && narrow.contains("15"), "{narrow}");
+        let short = refused(raw(4, 3, "mono8", 4, vec![0; 11]));
+        assert!(short.contains("11") && short.contains("12"), "{short}");
+        let long = refused(raw(4, 3, "mono8", 4, vec![0; 13]));
+        assert!(long.contains("13") && long.contains("12"), "{long}");
+        let unpadded_end = refused(raw(4, 3, "mono8", 6, vec![0; 16]));
+        assert!(
+            unpadded_end.contains("16") && unpadded_end.contains("18"),
+            "{unpadded_end}"
+        );
+        assert!(refused(raw(0, 3, "mono8", 4, vec![])).contains("0 x 3"));
+        assert!(refused(raw(3, 0, "mono8", 4, vec![])).contains("3 x 0"));
+    }
+
+    #[test]
+    fn huge_sizes_do_not_wrap_around() {
+        // width * 4 and step * height both exceed 32 bits; wrapped around they would be 0
+        let wide = raw(1 << 30, 1, "bgra8", 0, vec![]);
+        assert!(matches!(
+            wide.into_frame(Stamp::default(), ""),
+            Err(FrameError::StepTooSmall { row_bytes, .. }) if row_bytes == 1 << 32
+        ));
+        let tall = raw(1, 1 << 31, "mono8", 2, vec![]);
+        assert!(matches!(
+            tall.into_frame(Stamp::default(), ""),
+            Err(FrameError::DataLength { expected, .. }) if expected == 1 << 32
+        ));
+    }
+}

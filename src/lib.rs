@@ -8,4 +8,5 @@ pub mod camera;
 pub mod centre;
 pub mod cli;
 pub mod detect;
+pub mod enhance;
 pub mod frame;

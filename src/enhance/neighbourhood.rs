@@ -1,0 +1,83 @@
+//! The mean of every pixel's 3 x 3 neighbourhood, row by row, borders replicated.
+
+use super::levels::Grey;
+use crate::frame::Plane;
+use std::ops::Range;
+
+/// Calls `visit(y, row, means)` for the rows in `rows`, top to bottom: `means[x]` is the rounded mean of the nine pixels
+/// around (x, y). A pixel outside the picture counts as the nearest one inside.
+pub(super) fn for_each_row<T: Grey>(
+    plane: &Plane<T>,
+    rows: Range<usize>,
+    mut visit: impl FnMut(usize, &[T], &[T]),
+) {
+    let width = plane.width();
+    if width == 0 {
+        return;
+    }
+    // sums of three in each column, with the first and the last column once more outside
+    let mut columns = vec![0_u32; width + 2];
+    let mut means = vec![T::default(); width];
+    for y in rows {
+        let above = plane.row(y.saturating_sub(1));
+        let row = plane.row(y);
+        let below = plane.row((y + 1).min(plane.height() - 1));
+        for (((sum, &a), &b), &c) in columns[1..=width].iter_mut().zip(above).zip(row).zip(below) {
+            *sum = Into::<u32>::into(a) + Into::<u32>::into(b) + Into::<u32>::into(c);
+        }
+        columns[0] = columns[1];
+        columns[width + 1] = columns[width];
+        let (left, middle, right) = (&columns[..width], &columns[1..=width], &columns[2..]);
+        for (((mean, &a), &b), &c) in means.iter_mut().zip(left).zip(middle).zip(right) {
+            *mean = T::mean_of_nine(a + b + c);
+        }
+        visit(y, row, &means);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn means<T: Grey>(plane: &Plane<T>) -> Vec<T> {
+        let mut all = Vec::new();
+        for_each_row(plane, 0..plane.height(), |_, _, means| all.extend(means));
+        all
+    }
+
+    #[test]
+    fn borders_are_replicated() {
+        // (0, 0): 4 x 10 + 2 x 20 + 2 x 30 + 1 x 50 = 190 -> 21.1; (2, 0): 4 x 90 + 2 x 20 + 2 x 60 + 50 = 570 -> 63.3
+        let plane = Plane::from_vec(3, 2, vec![10_u8, 20, 90, 30, 50, 60]).unwrap();
+        let all = means(&plane);
+        assert_eq!((all[0], all[2]), (21, 63));
+        assert_eq!(means(&Plane::filled(1, 1, 65_535_u16)), [65_535]);
+        assert!(means(&Plane::filled(0, 3, 0_u8)).is_empty());
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_nine_look_ups(
+            (width, height, data) in (1_usize..9, 1_usize..9).prop_flat_map(|(w, h)| {
+                (Just(w), Just(h), proptest::collection::vec(any::<u16>(), w * h))
+            }),
+        ) {
+            let plane = Plane::from_vec(width, height, data).unwrap();
+            let all = means(&plane);
+            for y in 0..height {
+                for x in 0..width {
+                    let mut sum = 0.0;
+                    for dy in 0..3 {
+                        for dx in 0..3 {
+                            let near_x = (x + dx).saturating_sub(1).min(width - 1);
+                            let near_y = (y + dy).saturating_sub(1).min(height - 1);
+                            sum += f64::from(plane.at(near_x, near_y));
+                        }
+                    }
+                    prop_assert!((f64::from(all[y * width + x]) - sum / 9.0).abs() <= 0.5);
+                }
+            }
+        }
+    }
+}

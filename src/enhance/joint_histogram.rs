@@ -19,12 +19,16 @@ impl JointHistogram {
 
     /// The histogram of a picture, in one pass.
     pub(super) fn of<T: Grey>(plane: &Plane<T>, levels: &Levels<T>) -> Self {
-        let mut counts = vec![0_u32; LEVELS * LEVELS];
-        neighbourhood::for_each_row(plane, 0..plane.height(), |_, row, means| {
-            for (&value, &mean) in row.iter().zip(means) {
-                counts[levels.of_value(value) * LEVELS + levels.of_value(mean)] += 1;
-            }
-        });
+        let counts = neighbourhood::collect(
+            plane,
+            || vec![0_u32; LEVELS * LEVELS],
+            |counts, row, means| {
+                for (&value, &mean) in row.iter().zip(means) {
+                    counts[levels.of_value(value) * LEVELS + levels.of_value(mean)] += 1;
+                }
+            },
+            add_counts,
+        );
         Self {
             levels: LEVELS,
             counts,
@@ -40,6 +44,14 @@ impl JointHistogram {
     pub fn row(&self, i: usize) -> &[u32] {
         &self.counts[i * self.levels..(i + 1) * self.levels]
     }
+}
+
+/// Counts of two parts of a picture together.
+pub(super) fn add_counts(mut a: Vec<u32>, b: Vec<u32>) -> Vec<u32> {
+    for (a, b) in a.iter_mut().zip(b) {
+        *a += b;
+    }
+    a
 }
 
 #[cfg(test)]

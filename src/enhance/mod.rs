@@ -15,7 +15,8 @@
 //! them. The flank on the background's side becomes one grey value, the flank on the target's side is spread over the
 //! target's own range: the edge turns into a step at `th`. Sub-pixel positions within the flank are lost, and the spread
 //! values start again at the target's far end, so the picture is for finding rings and for people, not for
-//! photometry.
+//! photometry. One run is the one to use: in a repeat the flattened flank is a single grey value that may fall on
+//! either side of the new th, and then moves the edge.
 //!
 //! Grey values stay in the depth of the frame. For the joint histogram a 16-bit frame is cut into 256 equal levels
 //! between its smallest and largest value (an 8-bit frame keeps its own 256); the thresholds come back as the
@@ -87,7 +88,8 @@ pub enum Reason {
     /// No threshold pair leaves pixels on both sides: one grey level, or no pixels.
     #[error("the frame has only one grey level")]
     OneLevel,
-    /// No pixel lies off the diagonal, or all that do have one grey value.
+    /// The pixels off the diagonal are none, or all of one grey value, or already what Step 4 would make them (a picture
+    /// of two levels).
     #[error("the frame has no blurred edges")]
     NoEdges,
 }
@@ -103,7 +105,7 @@ pub struct Choices {
     pub v1: u16,
     /// Largest grey value of the target region A.
     pub v2: u16,
-    /// One entry for each run of Steps 3 and 4; fewer than asked for where a run found nothing more to do.
+    /// One entry for each run of Steps 3 and 4 that changed something: at least one, at most as many as asked for.
     pub rounds: Vec<Round>,
 }
 
@@ -120,7 +122,9 @@ pub struct Round {
     pub median: u16,
 }
 
-/// Enhances a frame whose rings are of class `target`, running Steps 3 and 4 at most `rounds` times.
+/// Enhances a frame (Steps 1 to 4) whose rings are of class `target`, running Steps 3 and 4 at most `rounds` times.
+///
+/// A picture that offers nothing to restore, of whatever size, comes back as it is with the reason.
 pub fn enhance(frame: &Frame, target: Target, rounds: NonZeroU32) -> Enhanced {
     let (pixels, outcome) = match &frame.pixels {
         Pixels::U8(plane) => {
@@ -165,12 +169,11 @@ fn enhance_plane<T: Grey>(
             break;
         };
         let restored = restore::apply(&current, thresholds, &table);
-        done.push(table.round());
-        let settled = restored == *current;
-        current = Cow::Owned(restored);
-        if settled {
+        if restored == *current {
             break;
         }
+        done.push(table.round());
+        current = Cow::Owned(restored);
     }
     if done.is_empty() {
         return unchanged(Reason::NoEdges);
@@ -184,3 +187,6 @@ fn enhance_plane<T: Grey>(
     };
     (current.into_owned(), Outcome::Restored(choices))
 }
+
+#[cfg(test)]
+mod tests;

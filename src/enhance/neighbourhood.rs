@@ -1,12 +1,59 @@
-//! The mean of every pixel's 3 x 3 neighbourhood, row by row, borders replicated.
+//! Passes over a picture that see every pixel with the mean of its 3 x 3 neighbourhood, borders replicated.
+//!
+//! Means are rounded; a pixel outside the picture counts as the nearest one inside. Bands of rows are worked on in
+//! parallel, each with its own running sums, so nothing but the result is ever stored.
 
 use super::levels::Grey;
 use crate::frame::Plane;
+use rayon::prelude::*;
 use std::ops::Range;
 
-/// Calls `visit(y, row, means)` for the rows in `rows`, top to bottom: `means[x]` is the rounded mean of the nine pixels
-/// around (x, y). A pixel outside the picture counts as the nearest one inside.
-pub(super) fn for_each_row<T: Grey>(
+/// Rows worked on at a time: enough that the two rows a band reads twice do not count.
+const BAND_ROWS: usize = 64;
+
+/// Collects something over all pixels: `visit(so far, row, means)` for every row, then `merge` over the bands.
+///
+/// The result must not depend on the order of merging: sums of integers, smallest and largest.
+pub(super) fn collect<T: Grey, A: Send>(
+    plane: &Plane<T>,
+    empty: impl Fn() -> A + Sync + Send,
+    visit: impl Fn(&mut A, &[T], &[T]) + Sync + Send,
+    merge: impl Fn(A, A) -> A + Sync + Send,
+) -> A {
+    (0..plane.height().div_ceil(BAND_ROWS))
+        .into_par_iter()
+        .fold(&empty, |mut so_far, band| {
+            let end = ((band + 1) * BAND_ROWS).min(plane.height());
+            for_each_row(plane, band * BAND_ROWS..end, |_, row, means| {
+                visit(&mut so_far, row, means);
+            });
+            so_far
+        })
+        .reduce(&empty, merge)
+}
+
+/// A picture of `new_value(value, mean)` of every pixel.
+pub(super) fn map<T: Grey>(
+    plane: &Plane<T>,
+    new_value: impl Fn(T, T) -> T + Sync + Send,
+) -> Plane<T> {
+    let width = plane.width();
+    let mut mapped = Plane::filled(width, plane.height(), T::default());
+    let bands = mapped.data_mut().par_chunks_mut((width * BAND_ROWS).max(1));
+    bands.enumerate().for_each(|(band, out)| {
+        let first = band * BAND_ROWS;
+        for_each_row(plane, first..first + out.len() / width, |y, row, means| {
+            let out = &mut out[(y - first) * width..][..width];
+            for ((out, &value), &mean) in out.iter_mut().zip(row).zip(means) {
+                *out = new_value(value, mean);
+            }
+        });
+    });
+    mapped
+}
+
+/// Calls `visit(y, row, means)` for the rows in `rows`, top to bottom.
+fn for_each_row<T: Grey>(
     plane: &Plane<T>,
     rows: Range<usize>,
     mut visit: impl FnMut(usize, &[T], &[T]),
@@ -41,9 +88,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn means<T: Grey>(plane: &Plane<T>) -> Vec<T> {
-        let mut all = Vec::new();
-        for_each_row(plane, 0..plane.height(), |_, _, means| all.extend(means));
-        all
+        map(plane, |_, mean| mean).data().to_vec()
     }
 
     #[test]
@@ -54,6 +99,23 @@ mod tests {
         assert_eq!((all[0], all[2]), (21, 63));
         assert_eq!(means(&Plane::filled(1, 1, 65_535_u16)), [65_535]);
         assert!(means(&Plane::filled(0, 3, 0_u8)).is_empty());
+    }
+
+    #[test]
+    fn bands_make_no_difference() {
+        let (width, height) = (5, 3 * BAND_ROWS + 7);
+        let data = (0..width * height).map(|k| (k * k % 251) as u8).collect();
+        let plane = Plane::from_vec(width, height, data).unwrap();
+        let mut expected = Vec::new();
+        for_each_row(&plane, 0..height, |_, _, means| expected.extend(means));
+        assert_eq!(means(&plane), expected);
+        let sum = collect(
+            &plane,
+            || 0_u64,
+            |sum, _, means| *sum += means.iter().map(|&m| u64::from(m)).sum::<u64>(),
+            |a, b| a + b,
+        );
+        assert_eq!(sum, expected.iter().map(|&m| u64::from(m)).sum());
     }
 
     proptest! {

@@ -3,9 +3,9 @@
 /// The largest value of the dark class: counts are `histogram[value]`; `None` where fewer than two values occur.
 ///
 /// Of thresholds that score the same the smallest is taken, so the threshold itself always occurs.
-pub fn otsu_1d(histogram: &[u64]) -> Option<usize> {
-    let weighted = |(value, &count): (usize, &u64)| value as f64 * count as f64;
-    let total: u64 = histogram.iter().sum();
+pub fn otsu_1d(histogram: &[u32]) -> Option<usize> {
+    let weighted = |(value, &count): (usize, &u32)| value as f64 * f64::from(count);
+    let total: u64 = histogram.iter().map(|&count| u64::from(count)).sum();
     let total_sum: f64 = histogram.iter().enumerate().map(weighted).sum();
     let (mut count, mut sum) = (0_u64, 0.0);
     let mut best: Option<(f64, usize)> = None;
@@ -13,7 +13,7 @@ pub fn otsu_1d(histogram: &[u64]) -> Option<usize> {
         if here == 0 {
             continue;
         }
-        count += here;
+        count += u64::from(here);
         sum += weighted((value, &here));
         if count == total {
             break;

@@ -5,6 +5,7 @@
 //! its Step 2 disagree on which.
 
 use super::Target;
+use super::joint_histogram::add_counts;
 use super::levels::Grey;
 use super::neighbourhood;
 use crate::frame::Plane;
@@ -39,27 +40,41 @@ pub(super) fn target_range<T: Grey>(
     thresholds: Thresholds<T>,
     target: Target,
 ) -> Option<(T, T)> {
-    let mut range: Option<(T, T)> = None;
-    neighbourhood::for_each_row(plane, 0..plane.height(), |_, row, means| {
-        for (&value, &mean) in row.iter().zip(means) {
-            if thresholds.in_target(value, mean, target) {
-                let (low, high) = range.unwrap_or((value, value));
-                range = Some((low.min(value), high.max(value)));
+    neighbourhood::collect(
+        plane,
+        || None,
+        |range: &mut Option<(T, T)>, row, means| {
+            for (&value, &mean) in row.iter().zip(means) {
+                if thresholds.in_target(value, mean, target) {
+                    *range = widest(*range, Some((value, value)));
+                }
             }
-        }
-    });
-    range
+        },
+        widest,
+    )
+}
+
+fn widest<T: Grey>(a: Option<(T, T)>, b: Option<(T, T)>) -> Option<(T, T)> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some((a.0.min(b.0), a.1.max(b.1))),
+        (one, other) => one.or(other),
+    }
 }
 
 /// How often each grey value occurs in B and D together.
-pub(super) fn edge_histogram<T: Grey>(plane: &Plane<T>, thresholds: Thresholds<T>) -> Vec<u64> {
-    let mut counts = vec![0; T::VALUES];
-    neighbourhood::for_each_row(plane, 0..plane.height(), |_, row, means| {
-        for (&value, &mean) in row.iter().zip(means) {
-            counts[value.index()] += u64::from(thresholds.off_diagonal(value, mean));
-        }
-    });
-    counts
+pub(super) fn edge_histogram<T: Grey>(plane: &Plane<T>, thresholds: Thresholds<T>) -> Vec<u32> {
+    neighbourhood::collect(
+        plane,
+        || vec![0; T::VALUES],
+        |counts: &mut Vec<u32>, row, means| {
+            for (&value, &mean) in row.iter().zip(means) {
+                if thresholds.off_diagonal(value, mean) {
+                    counts[value.index()] += 1;
+                }
+            }
+        },
+        add_counts,
+    )
 }
 
 #[cfg(test)]
@@ -89,7 +104,7 @@ mod tests {
         assert_eq!(target_range(&plane, at, Target::Dark), Some((10, 10)));
         assert_eq!(target_range(&plane, at, Target::Light), Some((90, 90)));
         let counts = edge_histogram(&plane, at);
-        assert_eq!((counts[20], counts.iter().sum::<u64>()), (2, 2));
+        assert_eq!((counts[20], counts.iter().sum::<u32>()), (2, 2));
         let nothing = Thresholds { s: 5, t: 5 };
         assert_eq!(target_range(&plane, nothing, Target::Dark), None);
     }

@@ -17,7 +17,7 @@ impl<T: Grey> Table<T> {
     ///
     /// The side of th that is the target's is the edge region A': its range (v3, v4) is mapped onto `range` = (v1, v2).
     /// The other side is the noise region C': it becomes its median, the lower one of an even count.
-    pub fn new(histogram: &[u64], target: Target, range: (T, T)) -> Option<Self> {
+    pub fn new(histogram: &[u32], target: Target, range: (T, T)) -> Option<Self> {
         let th = otsu_1d(histogram)?;
         let (dark, light) = (0..th + 1, th + 1..histogram.len());
         let (edge, noise) = match target {
@@ -48,11 +48,12 @@ impl<T: Grey> Table<T> {
 }
 
 /// The index at which half of the counts is reached; `None` where there are none.
-fn median(counts: &[u64]) -> Option<usize> {
-    let half = counts.iter().sum::<u64>().div_ceil(2);
+fn median(counts: &[u32]) -> Option<usize> {
+    let total: u64 = counts.iter().map(|&count| u64::from(count)).sum();
+    let half = total.div_ceil(2);
     let mut seen = 0;
     counts.iter().position(|&count| {
-        seen += count;
+        seen += u64::from(count);
         count > 0 && seen >= half
     })
 }
@@ -63,15 +64,13 @@ pub(super) fn apply<T: Grey>(
     thresholds: Thresholds<T>,
     table: &Table<T>,
 ) -> Plane<T> {
-    let mut restored = plane.clone();
-    neighbourhood::for_each_row(plane, 0..plane.height(), |y, row, means| {
-        for ((out, &value), &mean) in restored.row_mut(y).iter_mut().zip(row).zip(means) {
-            if thresholds.off_diagonal(value, mean) {
-                *out = table.new_value[value.index()];
-            }
+    neighbourhood::map(plane, |value, mean| {
+        if thresholds.off_diagonal(value, mean) {
+            table.new_value[value.index()]
+        } else {
+            value
         }
-    });
-    restored
+    })
 }
 
 #[cfg(test)]
@@ -79,7 +78,7 @@ mod tests {
     use super::*;
 
     /// Values 40, 50 (twice), 60 on the dark side, 200, 210, 220 (twice) on the light side; th = 60.
-    fn counts() -> Vec<u64> {
+    fn counts() -> Vec<u32> {
         let mut counts = vec![0; 256];
         for value in [40, 50, 50, 60, 200, 210, 220, 220] {
             counts[value] += 1;

@@ -9,4 +9,6 @@ pub mod centre;
 pub mod cli;
 pub mod detect;
 pub mod enhance;
+pub mod formats;
 pub mod frame;
+pub mod source;

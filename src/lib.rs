@@ -12,4 +12,6 @@ pub mod detect;
 pub mod enhance;
 pub mod formats;
 pub mod frame;
+pub mod report;
 pub mod session;
+pub mod source;

@@ -1,6 +1,6 @@
 //! Why a calibration is refused.
 
-use super::NEEDED_VIEWS;
+use super::{NEEDED_RINGS, NEEDED_VIEWS};
 
 /// Why views do not give a calibration; displays as one plain sentence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -25,7 +25,7 @@ pub enum CalibrateError {
         first: (usize, usize),
     },
     /// A view has too few rings for a pose.
-    #[error("{source_name} shows {found} rings, at least 4 are needed")]
+    #[error("{source_name} shows {found} rings, at least {NEEDED_RINGS} are needed")]
     TooFewRings {
         /// `source` of the view.
         source_name: String,

@@ -32,6 +32,9 @@ use observations::{Observation, observations};
 /// Views below which nothing is tried.
 pub const NEEDED_VIEWS: usize = 3;
 
+/// Rings of a view below which it has no pose.
+pub const NEEDED_RINGS: usize = 4;
+
 /// What is estimated first: enough to bend any guess towards the truth, and never ill-determined among itself.
 const FIRST: [&str; 3] = ["fx", "fy", "k1"];
 

@@ -1,6 +1,6 @@
 //! The measurements of a calibration, checked: what the adjustment needs of each view and nothing it has to doubt.
 
-use super::{CalibrateError, NEEDED_VIEWS};
+use super::{CalibrateError, NEEDED_RINGS, NEEDED_VIEWS};
 use crate::board::Board;
 use crate::detect::Ring;
 use crate::session::View;
@@ -69,7 +69,7 @@ fn check(board: &Board, view: &View, first: (usize, usize)) -> Result<(), Calibr
             columns: board.columns(),
         });
     }
-    if view.rings.len() < 4 {
+    if view.rings.len() < NEEDED_RINGS {
         return Err(CalibrateError::TooFewRings {
             source_name: view.source.clone(),
             found: view.rings.len(),

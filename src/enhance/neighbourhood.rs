@@ -106,7 +106,7 @@ mod tests {
         let (width, height) = (5, 3 * BAND_ROWS + 7);
         let data = (0..width * height).map(|k| (k * k % 251) as u8).collect();
         let plane = Plane::from_vec(width, height, data).unwrap();
-        let mut expected = Vec::new();
+        let mut expected: Vec<u8> = Vec::new();
         for_each_row(&plane, 0..height, |_, _, means| expected.extend(means));
         assert_eq!(means(&plane), expected);
         let sum = collect(
@@ -115,7 +115,7 @@ mod tests {
             |sum, _, means| *sum += means.iter().map(|&m| u64::from(m)).sum::<u64>(),
             |a, b| a + b,
         );
-        assert_eq!(sum, expected.iter().map(|&m| u64::from(m)).sum());
+        assert_eq!(sum, expected.iter().map(|&m| u64::from(m)).sum::<u64>());
     }
 
     proptest! {

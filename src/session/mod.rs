@@ -21,7 +21,7 @@ pub use rules::{Change, Offer, OnChange, SessionRules, Verdict};
 pub use view::View;
 
 use crate::board::Board;
-use crate::calibrate::{focal_length_px, plane_normal};
+use crate::calibrate::{NEEDED_RINGS, focal_length_px, plane_normal};
 use nalgebra::Vector3;
 
 /// Nominal focal length over the longer side of the frame.
@@ -173,7 +173,10 @@ impl Session {
     }
 
     fn not_wanted(&self, view: &View) -> Option<Verdict> {
-        let max_views = self.rules.max_views;
+        let (found, max_views) = (view.rings.len(), self.rules.max_views);
+        if found < NEEDED_RINGS {
+            return Some(Verdict::TooFewRings { found });
+        }
         if self.views.len() >= max_views {
             return Some(Verdict::Full { max_views });
         }

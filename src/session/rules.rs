@@ -1,5 +1,6 @@
 //! When a frame becomes a view, and what the session answers.
 
+use crate::calibrate::NEEDED_RINGS;
 use std::fmt;
 
 /// When a frame with a board is kept as a view.
@@ -100,6 +101,11 @@ pub enum Verdict {
         /// Angle between the normals of the board, rad.
         tilt_rad: f64,
     },
+    /// Too few rings for a pose of the board.
+    TooFewRings {
+        /// Rings seen.
+        found: usize,
+    },
     /// Enough views are kept.
     Full {
         /// Views kept at most.
@@ -166,6 +172,10 @@ impl fmt::Display for Verdict {
                 f,
                 "repeats the view {like} (moved by {shift_px:.1} px, turned by {:.1} degrees)",
                 tilt_rad.to_degrees()
+            ),
+            Self::TooFewRings { found } => write!(
+                f,
+                "{found} rings are too few for a view, at least {NEEDED_RINGS} are needed"
             ),
             Self::Full { max_views } => write!(f, "{max_views} views are kept already, enough"),
             Self::Stray(change) => write!(f, "not of the same camera: {change}"),

@@ -192,3 +192,13 @@ fn coverage_counts_the_cells_that_rings_touch() {
     assert!((0.2..0.45).contains(&covered), "{covered}");
     assert!(session.coverage_map().cell(4, 5) && !session.coverage_map().cell(0, 0));
 }
+
+#[test]
+fn a_view_has_enough_rings_for_a_pose() {
+    let mut session = session();
+    let mut few = view(MIDDLE, [0.0; 3]);
+    few.rings.truncate(3);
+    let offer = offer_twice(&mut session, &few);
+    assert_eq!(offer.verdict, Verdict::TooFewRings { found: 3 });
+    assert!(offer.to_string().starts_with("3 rings are too few"));
+}

@@ -4,6 +4,7 @@
 //! [`camera::Camera`].
 
 pub mod board;
+pub mod calibrate;
 pub mod camera;
 pub mod centre;
 pub mod cli;
@@ -12,5 +13,6 @@ pub mod enhance;
 pub mod formats;
 pub mod frame;
 pub mod report;
+pub mod session;
 pub mod simulate;
 pub mod source;

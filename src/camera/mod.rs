@@ -3,9 +3,11 @@
 //! Camera frame (REP 103, optical): x right, y down, z forward into the scene, metres. A point projects as
 //! normalised coordinates (X/Z, Y/Z) -> distortion -> pixel (fx x + cx, fy y + cy).
 
+mod parameters;
 mod plumb_bob;
 mod pose;
 
+pub use parameters::Projection;
 pub use plumb_bob::PlumbBob;
 pub use pose::Pose;
 

@@ -1,10 +1,239 @@
-//! `ringcal calibrate`
+//! `ringcal calibrate`: image files and folders in, camera_info.yaml, calibration.json and report.html out.
+//!
+//! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
+//! has them all, with the reason. A file that cannot be read does not stop the others.
+
+use crate::board::Board;
+use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError, calibrate};
+use crate::camera::Camera;
+use crate::centre::Estimator;
+use crate::detect::{DetectOptions, Detection, Detector};
+use crate::formats::{CalibrationJson, CameraInfo, Outcome, write_by_rename};
+use crate::frame::Frame;
+use crate::report::report_html;
+use crate::session::{Session, SessionRules, View};
+use crate::source;
+use anyhow::Context;
+use rayon::prelude::*;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `ringcal calibrate`.
 #[derive(Debug, clap::Args)]
-pub struct Arguments {}
+pub struct Arguments {
+    /// Image files, and folders of them.
+    #[arg(required = true, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// The board file.
+    #[arg(long, value_name = "FILE")]
+    board: PathBuf,
+    /// Folder that gets camera_info.yaml, calibration.json and report.html; made where it is missing.
+    #[arg(long, value_name = "DIR")]
+    output: PathBuf,
+    /// Lens model: plumb_bob.
+    #[arg(long, value_name = "NAME", default_value = "plumb_bob", value_parser = lens_model)]
+    model: &'static str,
+    /// Parameters that are not estimated, of fx, fy, cx, cy, k1, k2, p1, p2, k3. NAME=VALUE gives the value; without it a
+    /// distortion coefficient is 0, cx and cy are the middle of the frame, fx and fy the guess without distortion.
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = fixed_entry)]
+    fix: Vec<String>,
+    /// Which construction gives the projected centres.
+    #[arg(long, value_name = "NAME", default_value_t = Estimator::default().name().to_owned(), value_parser = estimator_name)]
+    estimator: String,
+    /// Name of the camera in camera_info.yaml.
+    #[arg(long, value_name = "NAME", default_value = "camera")]
+    camera_name: String,
+}
+
+fn lens_model(name: &str) -> Result<&'static str, String> {
+    match name {
+        "plumb_bob" => Ok("plumb_bob"),
+        "rational_polynomial" | "equidistant" | "auto" => {
+            Err("this version calibrates plumb_bob only".to_owned())
+        }
+        _ => Err("no such lens model; known is plumb_bob".to_owned()),
+    }
+}
+
+fn fixed_entry(entry: &str) -> Result<String, FixedError> {
+    Fixed::from_entries([entry]).map(|_| entry.to_owned())
+}
+
+fn estimator_name(name: &str) -> Result<String, String> {
+    name.parse::<Estimator>()
+        .map(|known| known.name().to_owned())
+}
 
 /// Runs the command.
-pub fn run(_arguments: Arguments) -> anyhow::Result<()> {
-    anyhow::bail!("calibrate is not written yet")
+pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let board = read_board(&arguments.board)?;
+    anyhow::ensure!(
+        !board.is_single(),
+        "a board of a single ring cannot calibrate a camera, at least 2 x 2 rings are needed"
+    );
+    if let Some(bag) = arguments.inputs.iter().find(|path| is_bag(path)) {
+        anyhow::bail!(
+            "{}: rosbag2 bags are not read in this version, only image files and folders",
+            bag.display()
+        );
+    }
+    let options = CalibrateOptions {
+        fixed: Fixed::from_entries(&arguments.fix)?,
+    };
+    let estimator = arguments.estimator.parse().map_err(anyhow::Error::msg)?;
+    std::fs::create_dir_all(&arguments.output)
+        .with_context(|| format!("{}: cannot be made", arguments.output.display()))?;
+    let frames = source::frames(arguments.inputs)
+        .map(|recorded| (recorded.path.to_string_lossy().into_owned(), recorded.frame));
+    let detector = Detector::new(board, DetectOptions { estimator });
+    let collected = collect(&detector, frames);
+    let views = collected.session.views();
+    let calibration = calibrate(detector.board(), views, &options).with_context(|| {
+        let given = collected.outcomes.len();
+        format!(
+            "no calibration from {given} inputs, {} of them usable",
+            views.len()
+        )
+    })?;
+    let file = CalibrationJson::new(
+        &arguments.camera_name,
+        &arguments.estimator,
+        &calibration,
+        views,
+        &collected.outcomes,
+    );
+    write_files(&arguments.output, &file, calibration.camera)?;
+    for at in calibration.suspicious_views() {
+        eprintln!(
+            "warning: {} fits much worse than the others ({:.3} px): look at it",
+            views[at].source, calibration.views[at].rms_px
+        );
+    }
+    print!("{}", summary(&calibration, &collected));
+    Ok(())
+}
+
+fn read_board(path: &Path) -> anyhow::Result<Board> {
+    let name = || path.display().to_string();
+    let text = std::fs::read_to_string(path).with_context(name)?;
+    Board::from_yaml(&text).with_context(name)
+}
+
+/// By name alone, so that a bag is told from a broken picture before anything is opened.
+fn is_bag(path: &Path) -> bool {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let name = name.strip_suffix(".zstd").unwrap_or(&name);
+    name.ends_with(".mcap") || name.ends_with(".db3") || path.join("metadata.yaml").is_file()
+}
+
+/// The views of a run and what became of every input.
+struct Collected {
+    session: Session,
+    outcomes: Vec<Outcome>,
+}
+
+/// Looks for the board in all frames, as many at a time as there are threads, so that memory does not grow with the number
+/// of files; offers them to a session in their order.
+fn collect<E: Display + Send>(
+    detector: &Detector,
+    frames: impl Iterator<Item = (String, Result<Frame, E>)>,
+) -> Collected {
+    let mut collected = Collected {
+        session: Session::new(detector.board().clone(), SessionRules::for_files()),
+        outcomes: Vec::new(),
+    };
+    let mut frames = frames.peekable();
+    while frames.peek().is_some() {
+        let batch: Vec<_> = frames.by_ref().take(rayon::current_num_threads()).collect();
+        let found: Vec<(String, Result<Detection, String>)> = batch
+            .into_par_iter()
+            .map(|(source, frame)| {
+                let detection = frame
+                    .map_err(|error| error.to_string())
+                    .and_then(|frame| detector.detect(&frame).map_err(|miss| miss.to_string()));
+                (source, detection)
+            })
+            .collect();
+        for (source, detection) in found {
+            collected.add(source, detection);
+        }
+    }
+    collected
+}
+
+impl Collected {
+    fn add(&mut self, source: String, detection: Result<Detection, String>) {
+        let at = self.session.views().len();
+        let outcome = match detection {
+            Err(reason) => Outcome::NotUsed { source, reason },
+            Ok(detection) => {
+                let offer = self
+                    .session
+                    .offer(View::of_file(source.as_str(), &detection));
+                if offer.kept() {
+                    let (rings, blur) = (detection.rings.len(), detection.blur_sigma_px());
+                    eprintln!("{source}: {rings} rings, blur {blur:.1} px");
+                    Outcome::Used(at)
+                } else {
+                    let reason = offer.to_string();
+                    Outcome::NotUsed { source, reason }
+                }
+            }
+        };
+        if let Outcome::NotUsed { source, reason } = &outcome {
+            eprintln!("{source}: not used: {reason}");
+        }
+        self.outcomes.push(outcome);
+    }
+}
+
+fn write_files(folder: &Path, file: &CalibrationJson, camera: Camera) -> anyhow::Result<()> {
+    let info = CameraInfo::new(file.camera_name.as_str(), camera);
+    // camera_info.yaml last: where it is new, the others are too
+    let files = [
+        ("report.html", report_html(file)),
+        ("calibration.json", file.to_json()?),
+        ("camera_info.yaml", info.to_yaml()),
+    ];
+    for (name, text) in files {
+        let path = folder.join(name);
+        write_by_rename(&path, text.as_bytes())
+            .with_context(|| format!("{}: cannot be written", path.display()))?;
+        eprintln!("wrote {}", path.display());
+    }
+    Ok(())
+}
+
+/// The table on stdout.
+fn summary(calibration: &Calibration, collected: &Collected) -> String {
+    let camera = &calibration.camera;
+    let views = collected.session.views();
+    let rings: usize = views.iter().map(|view| view.rings.len()).sum();
+    let mut text = format!(
+        "camera    {} x {} px, plumb_bob\nviews     {} of {} inputs, {rings} rings\n\
+         coverage  {:.0} % of the frame\nrms       {:.4} px\n\n{:4} {:>16} {:>14}\n",
+        camera.width,
+        camera.height,
+        views.len(),
+        collected.outcomes.len(),
+        100.0 * collected.session.coverage(),
+        calibration.rms_px,
+        "name",
+        "value",
+        "std",
+    );
+    for (at, (name, value)) in Camera::PARAMETER_NAMES
+        .iter()
+        .zip(camera.parameters())
+        .enumerate()
+    {
+        let digits = if at < 4 { 4 } else { 7 };
+        let std = if calibration.fixed.contains(name) {
+            "fixed".to_owned()
+        } else {
+            format!("{:.digits$}", calibration.std(at))
+        };
+        text += &format!("{name:4} {value:>16.digits$} {std:>14}\n");
+    }
+    text
 }

@@ -1,0 +1,101 @@
+//! The bundle adjustment: Levenberg and Marquardt's damped least squares.
+//!
+//! It has converged where the undamped step promises to lower the cost (the sum of the squared whitened residuals) by less
+//! than 1e-12 of it, or by less than rounding leaves of residuals that vanish: (1e-11)^2 times the number of residuals.
+//! It gives up after 200 iterations, or where no damping lowers the cost any more while the promise is still large.
+
+use super::normal_equations::NormalEquations;
+use super::observations::Observation;
+use crate::camera::{Camera, Pose};
+
+/// Linearisations at most.
+const MAX_ITERATIONS: usize = 200;
+/// Promised decrease over cost at which it has converged.
+const RELATIVE_DECREASE: f64 = 1e-12;
+/// The same where rounding stops the descent first.
+const RELATIVE_ROUNDING: f64 = 1e-8;
+/// Whitened residual that counts as none.
+const NO_RESIDUAL: f64 = 1e-11;
+/// Damping at first, relative to the scaled diagonal.
+const FIRST_DAMPING: f64 = 1e-3;
+/// Damping beyond which a step moves nothing.
+const MAX_DAMPING: f64 = 1e12;
+
+/// Where the adjustment ended.
+#[derive(Debug, Clone)]
+pub(super) struct Adjusted {
+    pub camera: Camera,
+    pub poses: Vec<Pose>,
+    /// At `camera` and `poses`.
+    pub equations: NormalEquations,
+    pub iterations: usize,
+    pub converged: bool,
+}
+
+/// Lowers the cost over the free parameters and all poses; `None` where a ring lies behind the camera at the start.
+pub(super) fn adjust(
+    start: (Camera, Vec<Pose>),
+    rings: &[Vec<Observation>],
+    free: &[usize],
+) -> Option<Adjusted> {
+    let (camera, poses) = start;
+    let mut now = Adjusted {
+        equations: NormalEquations::at(&camera, &poses, rings)?,
+        camera,
+        poses,
+        iterations: 0,
+        converged: false,
+    };
+    let residuals = 2 * rings.iter().map(Vec::len).sum::<usize>();
+    let nothing = residuals as f64 * NO_RESIDUAL * NO_RESIDUAL;
+    let mut damping = FIRST_DAMPING;
+    while now.iterations < MAX_ITERATIONS {
+        now.iterations += 1;
+        let cost = now.equations.cost();
+        // the promise of the undamped step: a damped one promises little however far the solution is
+        let promise = now.equations.step(free, 0.0).map(|step| step.predicted);
+        if promise.is_some_and(|p| p <= nothing.max(RELATIVE_DECREASE * cost)) {
+            now.converged = true;
+            break;
+        }
+        match lower(&now, rings, free, &mut damping) {
+            Some(next) => now = next,
+            None => {
+                now.converged = promise.is_some_and(|p| p <= RELATIVE_ROUNDING * cost);
+                break;
+            }
+        }
+    }
+    Some(now)
+}
+
+/// The first damping that lowers the cost; `None` where none does.
+fn lower(
+    now: &Adjusted,
+    rings: &[Vec<Observation>],
+    free: &[usize],
+    damping: &mut f64,
+) -> Option<Adjusted> {
+    let cost = now.equations.cost();
+    while *damping <= MAX_DAMPING {
+        if let Some(step) = now.equations.step(free, *damping) {
+            let (camera, poses) = step.apply(&now.camera, &now.poses);
+            let next = NormalEquations::at(&camera, &poses, rings);
+            if let Some(equations) = next.filter(|equations| equations.cost() < cost) {
+                // a step that keeps most of its promise calls for less damping
+                let gain = (cost - equations.cost()) / step.predicted;
+                *damping *= if gain > 0.75 { 0.1 } else { 1.0 };
+                *damping = damping.max(1e-15);
+                return Some(Adjusted {
+                    camera,
+                    poses,
+                    equations,
+                    iterations: now.iterations,
+                    converged: false,
+                });
+            }
+        }
+        *damping *= 10.0;
+    }
+    None
+}

@@ -1,0 +1,247 @@
+//! calibration.json: the whole result of a calibration for programs.
+
+use crate::calibrate::Calibration;
+use crate::camera::Camera;
+use crate::session::View;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// The file; keys as written. Lengths in m, angles in rad, pixels with (0, 0) at the centre of the top-left one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CalibrationJson {
+    /// Lens model, by its ROS name.
+    pub model: &'static str,
+    /// Name of the camera.
+    pub camera_name: String,
+    /// Width of the frames, px.
+    pub width: u32,
+    /// Height of the frames, px.
+    pub height: u32,
+    /// Values by name: fx, fy, cx, cy in px, the others without unit.
+    pub parameters: BTreeMap<&'static str, f64>,
+    /// Standard deviations by the same names; 0 for a fixed parameter.
+    pub std: BTreeMap<&'static str, f64>,
+    /// Order of the rows and columns of `covariance`.
+    pub names: Vec<&'static str>,
+    /// Covariance of the parameters, by rows.
+    pub covariance: Vec<Vec<f64>>,
+    /// Parameters that were not estimated.
+    pub fixed: Vec<&'static str>,
+    /// Root mean square distance between measured and projected centres, px.
+    pub rms_px: f64,
+    /// Sum of the squared weighted residuals over the degrees of freedom.
+    pub variance_factor: f64,
+    /// Which construction gave the centres.
+    pub estimator: String,
+    /// Every input in the order given, those that were not used as well.
+    pub views: Vec<ViewJson>,
+}
+
+/// One input.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ViewJson {
+    /// Path of the file, or frame id and stamp.
+    pub source: String,
+    /// Whether it is part of the calibration.
+    pub used: bool,
+    /// Why it is not used, or what is suspicious about it; one plain sentence.
+    pub reason: Option<String>,
+    /// As `rms_px` of the file, of this view alone; null where it is not used, like the following two.
+    pub rms_px: Option<f64>,
+    /// Rotation from the board to the camera: axis times angle, rad.
+    pub rotation_vector: Option<[f64; 3]>,
+    /// The board's ring (0, 0) in the camera frame, m.
+    pub translation_m: Option<[f64; 3]>,
+    /// The rings; empty where it is not used.
+    pub rings: Vec<RingJson>,
+}
+
+/// One ring of a view.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RingJson {
+    /// Row on the board.
+    pub row: u16,
+    /// Column on the board.
+    pub col: u16,
+    /// Measured projected centre, px.
+    pub x: f64,
+    /// Measured projected centre, px.
+    pub y: f64,
+    /// Measured less projected with the calibrated camera: (x, y), px.
+    pub residual: [f64; 2],
+    /// Covariance of (x, y): xx, xy, yy, px^2; null where the estimator has none.
+    pub cov: Option<[f64; 3]>,
+}
+
+/// What became of one input, in the order given.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// It is the view at this place of the calibration's.
+    Used(usize),
+    /// It is not used.
+    NotUsed {
+        /// Path of the file, or frame id and stamp.
+        source: String,
+        /// Why, one plain sentence.
+        reason: String,
+    },
+}
+
+impl CalibrationJson {
+    /// The file of a calibration of `views`, with what became of every input.
+    pub fn new(
+        camera_name: &str,
+        estimator: &str,
+        calibration: &Calibration,
+        views: &[View],
+        outcomes: &[Outcome],
+    ) -> Self {
+        let names = Camera::PARAMETER_NAMES;
+        let camera = &calibration.camera;
+        let covariance = &calibration.covariance;
+        Self {
+            model: "plumb_bob",
+            camera_name: camera_name.to_owned(),
+            width: camera.width,
+            height: camera.height,
+            parameters: names.into_iter().zip(camera.parameters()).collect(),
+            std: names
+                .into_iter()
+                .enumerate()
+                .map(|(at, name)| (name, calibration.std(at)))
+                .collect(),
+            names: names.to_vec(),
+            covariance: covariance
+                .row_iter()
+                .map(|row| row.iter().copied().collect())
+                .collect(),
+            fixed: calibration.fixed.clone(),
+            rms_px: calibration.rms_px,
+            variance_factor: calibration.variance_factor,
+            estimator: estimator.to_owned(),
+            views: view_entries(calibration, views, outcomes),
+        }
+    }
+
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// Never for what [`CalibrationJson::new`] makes.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+}
+
+fn view_entries(calibration: &Calibration, views: &[View], outcomes: &[Outcome]) -> Vec<ViewJson> {
+    let suspicious = calibration.suspicious_views();
+    outcomes
+        .iter()
+        .filter_map(|outcome| match outcome {
+            Outcome::NotUsed { source, reason } => Some(not_used(source, reason)),
+            Outcome::Used(at) => {
+                let mut entry = used(calibration, *at, views.get(*at)?)?;
+                if suspicious.contains(at) {
+                    entry.reason = Some(format!(
+                        "its residuals are much larger than those of the other views ({:.2} px)",
+                        calibration.views[*at].rms_px
+                    ));
+                }
+                Some(entry)
+            }
+        })
+        .collect()
+}
+
+fn not_used(source: &str, reason: &str) -> ViewJson {
+    ViewJson {
+        source: source.to_owned(),
+        used: false,
+        reason: Some(reason.to_owned()),
+        rms_px: None,
+        rotation_vector: None,
+        translation_m: None,
+        rings: Vec::new(),
+    }
+}
+
+fn used(calibration: &Calibration, at: usize, view: &View) -> Option<ViewJson> {
+    let fit = calibration.views.get(at)?;
+    let rings = view
+        .rings
+        .iter()
+        .zip(&fit.residuals)
+        .map(|(ring, residual)| RingJson {
+            row: ring.row,
+            col: ring.column,
+            x: ring.centre.point.x,
+            y: ring.centre.point.y,
+            residual: [residual.x, residual.y],
+            cov: ring
+                .centre
+                .covariance
+                .map(|c| [c[(0, 0)], c[(0, 1)], c[(1, 1)]]),
+        })
+        .collect();
+    Some(ViewJson {
+        source: view.source.clone(),
+        used: true,
+        reason: None,
+        rms_px: Some(fit.rms_px),
+        rotation_vector: Some(fit.pose.rotation_vector().into()),
+        translation_m: Some(fit.pose.translation_m.into()),
+        rings,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::calibrate::{calibrate, synthetic};
+
+    #[test]
+    fn every_input_is_there_in_its_order_with_what_became_of_it() {
+        let (camera, board) = (synthetic::ordinary(), synthetic::board());
+        let poses = synthetic::poses(&camera, &board);
+        let mut views = synthetic::views(&camera, &board, &poses[..4], 0.1, 1);
+        synthetic::with_covariance(
+            &mut views[..1],
+            nalgebra::Matrix2::new(0.01, 0.001, 0.001, 0.02),
+        );
+        let calibration = calibrate(&board, &views, &Default::default()).unwrap();
+        let lost = Outcome::NotUsed {
+            source: "b.png".into(),
+            reason: "no ring seen".into(),
+        };
+        let mut outcomes: Vec<Outcome> = (0..4).map(Outcome::Used).collect();
+        outcomes.insert(1, lost);
+        let file = CalibrationJson::new("front", "cross", &calibration, &views, &outcomes);
+        let text = file.to_json().unwrap();
+        let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+        // serde_json reads to the last but one bit, what is written is exact
+        assert!(text.contains(&format!("\"fx\": {:?}", calibration.camera.intrinsics.fx)));
+        let same = |value: &serde_json::Value, wanted: f64| {
+            (value.as_f64().unwrap() - wanted).abs() <= 1e-14 * wanted.abs()
+        };
+        assert_eq!(json["model"], "plumb_bob");
+        assert!(same(&json["std"]["k3"], calibration.std(8)));
+        assert_eq!(json["names"][4], "k1");
+        assert!(same(
+            &json["covariance"][4][0],
+            calibration.covariance[(0, 4)]
+        ));
+        assert_eq!(json["views"].as_array().unwrap().len(), 5);
+        assert_eq!(json["views"][1]["used"], false);
+        assert_eq!(json["views"][1]["reason"], "no ring seen");
+        assert!(json["views"][1]["rms_px"].is_null());
+        let ring = &json["views"][2]["rings"][8];
+        assert_eq!((&ring["row"], &ring["col"]), (&1.into(), &1.into()));
+        assert!(same(
+            &ring["residual"][1],
+            calibration.views[1].residuals[8].y
+        ));
+        assert!(ring["cov"].is_null());
+        assert_eq!(json["views"][0]["rings"][0]["cov"][1], 0.001);
+        let depth = calibration.views[1].pose.translation_m.z;
+        assert!(same(&json["views"][2]["translation_m"][2], depth));
+    }
+}

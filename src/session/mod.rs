@@ -1,0 +1,232 @@
+//! What a calibration collects: the views of one board by one camera.
+//!
+//! A [`Session`] is offered every frame in which the board was found and keeps those that are still and new; the node
+//! and the command line both fill one. It says how much of the frame the rings have covered and what to show next.
+//!
+//! Tilt is needed before the lens is known. It is taken from a view's homography with the focal length that the
+//! homographies of the views kept agree on, and as long as they do not (fewer than three views, or none tilted) with
+//! a nominal one of 1.2 times the longer side of the frame, which is a field of view of 45 degrees. With a lens of
+//! 4 sides a tilt then looks about a third of what it is.
+
+mod coverage;
+mod guidance;
+mod motion;
+mod rules;
+mod view;
+
+pub use coverage::Coverage;
+pub use guidance::Guidance;
+pub use motion::{Motion, motion};
+pub use rules::{Change, Offer, OnChange, SessionRules, Verdict};
+pub use view::View;
+
+use crate::board::Board;
+use crate::calibrate::{NEEDED_RINGS, focal_length_px, plane_normal};
+use nalgebra::Vector3;
+
+/// Nominal focal length over the longer side of the frame.
+const NOMINAL_FOCAL: f64 = 1.2;
+
+/// The views of one board by one camera, collected frame by frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Session {
+    board: Board,
+    rules: SessionRules,
+    views: Vec<View>,
+    coverage: Coverage,
+    /// The frame before, where the board was found in it.
+    before: Option<View>,
+}
+
+impl Session {
+    /// A session without views.
+    pub fn new(board: Board, rules: SessionRules) -> Self {
+        Self {
+            board,
+            rules,
+            views: Vec::new(),
+            coverage: Coverage::default(),
+            before: None,
+        }
+    }
+
+    /// The board it is about.
+    pub fn board(&self) -> &Board {
+        &self.board
+    }
+
+    /// When a frame becomes a view.
+    pub fn rules(&self) -> &SessionRules {
+        &self.rules
+    }
+
+    /// The views kept, in the order they came.
+    pub fn views(&self) -> &[View] {
+        &self.views
+    }
+
+    /// Whether there are as many views as a calibration should have.
+    pub fn is_ready(&self) -> bool {
+        self.views.len() >= self.rules.min_views
+    }
+
+    /// Forgets all views.
+    pub fn reset(&mut self) {
+        self.views.clear();
+        self.coverage = Coverage::default();
+        self.before = None;
+    }
+
+    /// Changes the board; starts anew and answers `true` where it is another one.
+    pub fn set_board(&mut self, board: Board) -> bool {
+        let changed = board != self.board;
+        if changed {
+            self.board = board;
+            self.reset();
+        }
+        changed
+    }
+
+    /// Changes the rules; views kept stay.
+    pub fn set_rules(&mut self, rules: SessionRules) {
+        self.rules = rules;
+    }
+
+    /// Says that a frame showed no board: the next one with a board has nothing to be still against.
+    pub fn missed(&mut self) {
+        self.before = None;
+    }
+
+    /// Offers a frame in which the board was found; it is kept where it is of the same camera, still and new.
+    pub fn offer(&mut self, view: View) -> Offer {
+        let change = self.change(&view);
+        if let (Some(change), OnChange::Refuse) = (&change, self.rules.on_change) {
+            return Offer {
+                restart: None,
+                verdict: Verdict::Stray(change.clone()),
+            };
+        }
+        // where only a passing frame came before, nothing is lost and nothing needs to be said
+        let restart = change.filter(|_| !self.views.is_empty());
+        if restart.is_some() {
+            self.reset();
+        }
+        let before = self.before.take();
+        let verdict = self
+            .not_still(before.as_ref(), &view)
+            .or_else(|| self.not_wanted(&view))
+            .unwrap_or_else(|| self.keep(view.clone()));
+        self.before = Some(view);
+        Offer { restart, verdict }
+    }
+
+    /// Fraction of the frame's area that the rings of the views kept have covered, 0 to 1, in 10 x 8 cells.
+    pub fn coverage(&self) -> f64 {
+        self.coverage.fraction()
+    }
+
+    /// The cells of the frame that the rings of the views kept have covered.
+    pub fn coverage_map(&self) -> &Coverage {
+        &self.coverage
+    }
+
+    /// What to show the camera next.
+    pub fn guidance(&self) -> Guidance {
+        guidance::guidance(self)
+    }
+
+    /// Normals of the board in the views kept, in the camera frame, pointing away from the camera.
+    pub fn normals(&self) -> Vec<Vector3<f64>> {
+        let focal = self.focal_px();
+        self.views
+            .iter()
+            .filter_map(|view| normal(view, focal))
+            .collect()
+    }
+
+    fn change(&self, view: &View) -> Option<Change> {
+        let known = self.views.first().or(self.before.as_ref())?;
+        let (before, now) = ((known.width, known.height), (view.width, view.height));
+        if before != now {
+            return Some(Change::Size { before, now });
+        }
+        (known.frame_id != view.frame_id).then(|| Change::FrameId {
+            before: known.frame_id.clone(),
+            now: view.frame_id.clone(),
+        })
+    }
+
+    fn not_still(&self, before: Option<&View>, view: &View) -> Option<Verdict> {
+        let limit_px = self.rules.max_motion_px?;
+        let same_camera = |b: &&View| {
+            (b.width, b.height, &b.frame_id) == (view.width, view.height, &view.frame_id)
+        };
+        let Some(before) = before.filter(same_camera) else {
+            return Some(Verdict::FirstSight);
+        };
+        let motion_px = motion(before, view).map(|m| m.max_px);
+        let still = motion_px.is_some_and(|px| px <= limit_px);
+        (!still).then_some(Verdict::Moving {
+            motion_px,
+            limit_px,
+        })
+    }
+
+    fn not_wanted(&self, view: &View) -> Option<Verdict> {
+        let (found, max_views) = (view.rings.len(), self.rules.max_views);
+        if found < NEEDED_RINGS {
+            return Some(Verdict::TooFewRings { found });
+        }
+        if self.views.len() >= max_views {
+            return Some(Verdict::Full { max_views });
+        }
+        let focal = self.focal_px();
+        let normal_now = normal(view, focal);
+        self.views.iter().find_map(|kept| {
+            let shift_px = motion(kept, view)?.mean_px;
+            let tilt_rad = match (normal(kept, focal), normal_now) {
+                (Some(a), Some(b)) => a.angle(&b),
+                _ => 0.0,
+            };
+            let new = shift_px > self.rules.new_shift * view.width as f64
+                || tilt_rad > self.rules.new_tilt_rad;
+            (!new).then(|| Verdict::NotNew {
+                like: kept.source.clone(),
+                shift_px,
+                tilt_rad,
+            })
+        })
+    }
+
+    fn keep(&mut self, view: View) -> Verdict {
+        self.coverage.add(&view);
+        self.views.push(view);
+        Verdict::Kept {
+            views: self.views.len(),
+        }
+    }
+
+    /// The focal length the views agree on, or the nominal one; 0 without views.
+    fn focal_px(&self) -> f64 {
+        let Some(view) = self.views.first() else {
+            return 0.0;
+        };
+        let size = (view.width as f64, view.height as f64);
+        let homographies: Vec<_> = self.views.iter().map(|v| v.homography).collect();
+        let agreed = (homographies.len() >= 3)
+            .then(|| focal_length_px(&homographies, size))
+            .flatten();
+        agreed.unwrap_or(NOMINAL_FOCAL * size.0.max(size.1))
+    }
+}
+
+fn normal(view: &View, focal_px: f64) -> Option<Vector3<f64>> {
+    plane_normal(
+        &view.homography,
+        focal_px,
+        (view.width as f64, view.height as f64),
+    )
+}
+
+#[cfg(test)]
+mod tests;

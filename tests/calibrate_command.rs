@@ -1,0 +1,211 @@
+//! `ringcal calibrate` as a user runs it: the real binary on pictures of a board.
+
+use image::{GrayImage, Luma};
+use nalgebra::{Point2, Rotation3, Vector3};
+use ringcal::camera::{Camera, Intrinsics, PlumbBob, Pose};
+use ringcal::formats::CameraInfo;
+use std::path::Path;
+use std::process::{Command, Output};
+
+const BOARD: &str = "rows: 5\ncolumns: 6\npitch: 0.02\ninner_radius: 0.004\nouter_radius: 0.008\n";
+const SAMPLES: usize = 4;
+
+fn camera() -> Camera {
+    Camera {
+        width: 640,
+        height: 480,
+        intrinsics: Intrinsics {
+            fx: 700.0,
+            fy: 695.0,
+            cx: 322.0,
+            cy: 236.0,
+        },
+        distortion: PlumbBob {
+            k1: -0.1,
+            ..PlumbBob::default()
+        },
+    }
+}
+
+/// Grey 0.1 on the rings, 0.9 beside them, `SAMPLES` x `SAMPLES` samples a pixel.
+fn picture(pose: &Pose) -> GrayImage {
+    let camera = camera();
+    let back = pose.rotation.inverse();
+    let dark = |x: f64, y: f64| {
+        let Some(ray) = camera.unproject(&Point2::new(x, y)) else {
+            return false;
+        };
+        let (origin, direction) = (
+            back * -pose.translation_m,
+            back * Vector3::new(ray.x, ray.y, 1.0),
+        );
+        let on_board = origin - direction * (origin.z / direction.z);
+        let (column, row) = ((on_board.x / 0.02).round(), (on_board.y / 0.02).round());
+        let ring = (0.0..6.0).contains(&column) && (0.0..5.0).contains(&row);
+        let distance = (on_board.x - column * 0.02).hypot(on_board.y - row * 0.02);
+        ring && (0.004..0.008).contains(&distance)
+    };
+    GrayImage::from_fn(camera.width, camera.height, |x, y| {
+        let count = (0..SAMPLES * SAMPLES)
+            .filter(|sample| {
+                let offset = |i: usize| (i as f64 + 0.5) / SAMPLES as f64 - 0.5;
+                dark(
+                    f64::from(x) + offset(sample % SAMPLES),
+                    f64::from(y) + offset(sample / SAMPLES),
+                )
+            })
+            .count();
+        Luma([(230.0 - 200.0 * count as f64 / (SAMPLES * SAMPLES) as f64) as u8])
+    })
+}
+
+fn write_views(folder: &Path, count: u32) {
+    for i in 0..count {
+        let (a, b) = (f64::from(i) * 2.4, f64::from(i % 3) - 1.0);
+        let rotation = Rotation3::new(Vector3::new(0.45 * a.cos(), 0.45 * a.sin(), 0.1 * b));
+        let middle = Vector3::new(0.02 * b, 0.01 * a.sin(), 0.28);
+        let pose = Pose {
+            rotation,
+            translation_m: middle - rotation * Vector3::new(0.05, 0.04, 0.0),
+        };
+        picture(&pose)
+            .save(folder.join(format!("view_{i}.png")))
+            .unwrap();
+    }
+}
+
+fn ringcal(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_ringcal"))
+        .current_dir(folder)
+        .arg("calibrate")
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+#[test]
+fn pictures_of_a_board_become_three_files_with_the_true_camera() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    std::fs::write(folder.join("board.yaml"), BOARD).unwrap();
+    std::fs::create_dir(folder.join("views")).unwrap();
+    write_views(&folder.join("views"), 8);
+    std::fs::copy(folder.join("views/view_2.png"), folder.join("copy.png")).unwrap();
+    std::fs::write(folder.join("broken.png"), "no picture").unwrap();
+    GrayImage::from_pixel(640, 480, Luma([128]))
+        .save(folder.join("empty.png"))
+        .unwrap();
+    let output = ringcal(
+        folder,
+        &[
+            "views",
+            "copy.png",
+            "broken.png",
+            "empty.png",
+            "--board",
+            "board.yaml",
+            "--output",
+            "out/run",
+            "--fix",
+            "p1,p2,k2,k3",
+            "--camera-name",
+            "front",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let table = String::from_utf8(output.stdout.clone()).unwrap();
+    assert!(table.contains("8 of 11 inputs, 240 rings"), "{table}");
+
+    let text = std::fs::read_to_string(folder.join("out/run/camera_info.yaml")).unwrap();
+    let info = CameraInfo::from_yaml(&text).unwrap();
+    assert_eq!(info.camera_name, "front");
+    let (found, truth) = (info.camera.intrinsics, camera().intrinsics);
+    assert!((found.fx - truth.fx).abs() < 2.0, "{found:?}");
+    assert!((found.fy - truth.fy).abs() < 2.0, "{found:?}");
+    assert!((found.cx - truth.cx).abs() < 2.0, "{found:?}");
+    assert!((found.cy - truth.cy).abs() < 2.0, "{found:?}");
+    assert!((info.camera.distortion.k1 + 0.1).abs() < 0.01);
+
+    let text = std::fs::read_to_string(folder.join("out/run/calibration.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let unused: Vec<(&str, &str)> = json["views"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|view| view["used"] == false)
+        .map(|view| {
+            (
+                view["source"].as_str().unwrap(),
+                view["reason"].as_str().unwrap(),
+            )
+        })
+        .collect();
+    let sources: Vec<&str> = unused.iter().map(|(source, _)| *source).collect();
+    assert_eq!(sources, ["copy.png", "broken.png", "empty.png"]);
+    assert!(
+        unused[0].1.starts_with("repeats the view views/view_2.png"),
+        "{unused:?}"
+    );
+    assert!(json["rms_px"].as_f64().unwrap() < 0.1, "{}", json["rms_px"]);
+    assert_eq!(json["std"]["k3"], 0.0);
+    assert!(
+        std::fs::read_to_string(folder.join("out/run/report.html"))
+            .unwrap()
+            .contains("front")
+    );
+    assert_eq!(
+        std::fs::read_dir(folder.join("out/run")).unwrap().count(),
+        3
+    );
+}
+
+#[test]
+fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
+    let temporary = tempfile::tempdir().unwrap();
+    let folder = temporary.path();
+    std::fs::write(folder.join("board.yaml"), BOARD).unwrap();
+    let single = "rows: 1\ncolumns: 1\ninner_radius: 0.05\nouter_radius: 0.1\n";
+    std::fs::write(folder.join("single.yaml"), single).unwrap();
+    write_views(folder, 2);
+    let rest = ["--board", "board.yaml", "--output", "out"];
+    let cases: [(&[&str], i32, &str); 8] = [
+        (
+            &["view_0.png", "view_1.png"],
+            1,
+            "2 views, at least 3 are needed",
+        ),
+        (&["drive.mcap"], 1, "rosbag2 bags are not read"),
+        (&["missing.png"], 1, "0 views"),
+        (
+            &["view_0.png", "--fix", "k1,k9"],
+            2,
+            "known are fx, fy, cx, cy, k1, k2, p1, p2, k3",
+        ),
+        (
+            &["view_0.png", "--model", "equidistant"],
+            2,
+            "plumb_bob only",
+        ),
+        (&["view_0.png", "--estimator", "best"], 2, "big_ellipse"),
+        (&["view_0.png", "--shape", "round"], 2, "--shape"),
+        (&[], 2, "INPUT"),
+    ];
+    for (arguments, code, words) in cases {
+        let output = ringcal(folder, &[arguments, &rest].concat());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
+        assert!(said.contains(words), "{arguments:?}: {said}");
+        assert!(output.stdout.is_empty(), "{arguments:?}");
+    }
+    for (board, words) in [("single.yaml", "single ring"), ("none.yaml", "none.yaml")] {
+        let output = ringcal(folder, &["view_0.png", "--board", board, "--output", "out"]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+    let kept = std::fs::read_dir(folder.join("out")).map_or(0, Iterator::count);
+    assert_eq!(kept, 0, "nothing is written where nothing was calibrated");
+}

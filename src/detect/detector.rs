@@ -140,15 +140,21 @@ impl Detector {
         })
     }
 
-    /// `None` where the ellipses have no projected centre.
+    /// `None` where the ellipses have no projected centre, or the construction puts it outside the inner circle: blur has
+    /// then spoilt their shapes beyond what it bears.
     fn ring(&self, placed: &Placed) -> Option<Ring> {
         let estimator = self.options.estimator.build();
-        Some(Ring {
-            row: placed.row,
-            column: placed.column,
-            centre: estimator.estimate(&placed.ellipses).ok()?,
-            ellipses: placed.ellipses,
-            blur_sigma_px: placed.blur_sigma_px,
-        })
+        let centre = estimator.estimate(&placed.ellipses).ok()?;
+        placed
+            .ellipses
+            .inner
+            .contains(&centre.point)
+            .then_some(Ring {
+                row: placed.row,
+                column: placed.column,
+                centre,
+                ellipses: placed.ellipses,
+                blur_sigma_px: placed.blur_sigma_px,
+            })
     }
 }

@@ -13,6 +13,7 @@ pub mod enhance;
 pub mod formats;
 pub mod frame;
 pub mod report;
+pub mod ros;
 pub mod session;
 pub mod simulate;
 pub mod source;

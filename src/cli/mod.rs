@@ -48,11 +48,7 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
     }
     let parsed = match Arguments::try_parse_from(arguments) {
         Ok(parsed) => parsed,
-        Err(error) => {
-            // clap prints help and version to stdout with 0 and mistakes to stderr with 2
-            let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
-        }
+        Err(error) => return usage(&error),
     };
     let done = match parsed.command {
         Command::Node(arguments) => node::run(arguments),
@@ -63,11 +59,20 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("ringcal: {error:#}");
-            ExitCode::FAILURE
-        }
+        Err(error) => match error.downcast_ref::<clap::Error>() {
+            Some(error) => usage(error),
+            None => {
+                eprintln!("ringcal: {error:#}");
+                ExitCode::FAILURE
+            }
+        },
     }
+}
+
+/// Prints help and version to stdout with exit code 0, mistakes to stderr with 2.
+fn usage(error: &clap::Error) -> ExitCode {
+    let _ = error.print();
+    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
 }
 
 /// Reads a board file; the error names it.

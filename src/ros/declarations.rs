@@ -1,0 +1,117 @@
+//! The table of the node's parameters: names, defaults, ranges and what they are for.
+
+use super::parameters::{Declaration, Range};
+use crate::centre::Estimator;
+use ros2_client::ParameterValue;
+
+/// Every parameter of the node but `use_sim_time`, which every ROS node has.
+pub fn declarations() -> Vec<Declaration> {
+    let text = |value: &str| ParameterValue::String(value.to_owned());
+    let plain = |name, default, description| Declaration {
+        name,
+        default,
+        description,
+        constraints: String::new(),
+        range: Range::Any,
+    };
+    let estimators = Estimator::ALL.map(Estimator::name).join(", ");
+    vec![
+        plain(
+            "board_file",
+            text(""),
+            "Path of the board file (YAML) that describes the printed board. Required. Setting it starts the calibration anew.",
+        ),
+        Declaration {
+            constraints: "raw".to_owned(),
+            ..plain(
+                "image_transport",
+                text("raw"),
+                "How the frames arrive: raw is sensor_msgs/msg/Image on the topic image.",
+            )
+        },
+        Declaration {
+            constraints: format!("one of {estimators}"),
+            ..plain(
+                "estimator",
+                text(Estimator::default().name()),
+                "How the projected centre of a ring is found. Setting it starts the calibration anew.",
+            )
+        },
+        Declaration {
+            constraints: "plumb_bob".to_owned(),
+            ..plain("model", text("plumb_bob"), "Lens model of the calibration.")
+        },
+        Declaration {
+            constraints:
+                "a list of fx, fy, cx, cy, k1, k2, p1, p2, k3, each with or without =VALUE"
+                    .to_owned(),
+            ..plain(
+                "fixed",
+                ParameterValue::StringArray(Vec::new()),
+                "Camera parameters that are not estimated: without a value a distortion coefficient stays 0 and the \
+                 principal point the middle of the frame.",
+            )
+        },
+        Declaration {
+            range: Range::Integers(3, 1000),
+            ..plain(
+                "min_views",
+                ParameterValue::Integer(10),
+                "Views that must have been kept before ~/calibrate solves.",
+            )
+        },
+        Declaration {
+            range: Range::Integers(3, 1000),
+            constraints: "not less than min_views".to_owned(),
+            ..plain(
+                "max_views",
+                ParameterValue::Integer(60),
+                "Views kept at most.",
+            )
+        },
+        plain(
+            "auto_calibrate",
+            ParameterValue::Boolean(false),
+            "Calibrate without being asked as soon as there are min_views, and again with every max_views / 4 more.",
+        ),
+        Declaration {
+            constraints: "not empty".to_owned(),
+            ..plain(
+                "camera_name",
+                text("camera"),
+                "Name of the camera in the file that ~/save writes; the camera driver compares it with its own.",
+            )
+        },
+        plain(
+            "save_dir",
+            text(""),
+            "Folder in which ~/save writes camera_info.yaml; it is made where it does not exist. Empty: \
+             $ROS_HOME/ringcal/CAMERA_NAME, where ROS_HOME is ~/.ros unless set.",
+        ),
+        Declaration {
+            range: Range::Doubles(0.01, 1.0),
+            ..plain(
+                "debug_scale",
+                ParameterValue::Double(0.5),
+                "Size of the uncompressed pictures ~/debug_image and ~/enhanced_image relative to the frame.",
+            )
+        },
+        Declaration {
+            range: Range::Integers(1, 100),
+            ..plain(
+                "jpeg_quality",
+                ParameterValue::Integer(80),
+                "Quality of ~/debug_image/compressed and ~/enhanced_image/compressed.",
+            )
+        },
+        Declaration {
+            range: Range::Doubles(0.0, 1000.0),
+            ..plain(
+                "max_motion_px",
+                ParameterValue::Double(2.0),
+                "A frame is kept only where no ring moved by more than this since the frame before, px; 0 switches \
+                 the rule off.",
+            )
+        },
+    ]
+}

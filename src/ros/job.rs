@@ -1,0 +1,55 @@
+//! One calibration, from the views as they were when it was asked for to a sentence about the result.
+
+use crate::board::Board;
+use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
+use crate::session::View;
+
+/// A calibration to be solved: the views as they were when it was asked for.
+#[derive(Debug, Clone)]
+pub struct Job {
+    /// Which of the node's sessions the views are from.
+    pub(super) session: u64,
+    /// The board they show.
+    pub(super) board: Board,
+    /// The views.
+    pub(super) views: Vec<View>,
+    /// How to calibrate.
+    pub(super) options: CalibrateOptions,
+}
+
+/// A calibration that was solved, or why not.
+#[derive(Debug)]
+pub struct Solved {
+    /// The session of the job.
+    pub(super) session: u64,
+    /// How many views it had.
+    pub(super) views: usize,
+    /// What came out.
+    pub(super) result: Result<Calibration, CalibrateError>,
+}
+
+impl Job {
+    /// Solves it; takes as long as it takes.
+    pub fn solve(self) -> Solved {
+        Solved {
+            session: self.session,
+            views: self.views.len(),
+            result: calibrate(&self.board, &self.views, &self.options),
+        }
+    }
+}
+
+/// One sentence for people about a calibration.
+pub(super) fn describe(calibration: &Calibration, views: usize) -> String {
+    let camera = &calibration.camera;
+    let i = &camera.intrinsics;
+    let mut text = format!(
+        "calibrated from {views} views: fx {:.2}, fy {:.2}, cx {:.2}, cy {:.2}, reprojection error {:.4} px",
+        i.fx, i.fy, i.cx, i.cy, calibration.rms_px
+    );
+    let suspicious = calibration.suspicious_views().len();
+    if suspicious > 0 {
+        text += &format!("; {suspicious} of the views fit badly");
+    }
+    text
+}

@@ -1,0 +1,70 @@
+"""What the ROS graph shows of the node, under any name, and who it hears."""
+
+import pytest
+from rclpy.qos import QoSProfile
+
+from conftest import Start
+from ringcal_process import RingcalProcess
+from robot import BEST_EFFORT, RELIABLE, Camera, Robot
+from sequence import Sequence
+
+TRIGGERS = ("calibrate", "reset", "save", "commit")
+PARAMETER_SERVICES = (
+    "describe_parameters",
+    "get_parameter_types",
+    "get_parameters",
+    "list_parameters",
+    "set_parameters",
+    "set_parameters_atomically",
+)
+PUBLISHED = {
+    "/ringcal/centres": "ringcal/msg/RingCentreArray",
+    "/ringcal/status": "ringcal/msg/CalibrationStatus",
+    "/ringcal/camera_info": "sensor_msgs/msg/CameraInfo",
+    "/ringcal/debug_image": "sensor_msgs/msg/Image",
+    "/ringcal/debug_image/compressed": "sensor_msgs/msg/CompressedImage",
+    "/ringcal/enhanced_image": "sensor_msgs/msg/Image",
+    "/ringcal/enhanced_image/compressed": "sensor_msgs/msg/CompressedImage",
+    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
+    "/parameter_events": "rcl_interfaces/msg/ParameterEvent",
+    "/rosout": "rcl_interfaces/msg/Log",
+}
+
+
+def test_the_node_is_in_the_graph_with_all_it_offers(ringcal: RingcalProcess, robot: Robot) -> None:
+    robot.until(lambda: robot.knows("ringcal"), "the node in the graph")
+    node = robot.node
+    robot.until(
+        lambda: PUBLISHED.keys() <= dict(node.get_publisher_names_and_types_by_node("ringcal", "/")).keys(),
+        "the node's topics",
+    )
+    published = dict(node.get_publisher_names_and_types_by_node("ringcal", "/"))
+    assert {name: published[name] for name in PUBLISHED} == {name: [kind] for name, kind in PUBLISHED.items()}
+    subscribed = dict(node.get_subscriber_names_and_types_by_node("ringcal", "/"))
+    assert subscribed["/image"] == ["sensor_msgs/msg/Image"]
+    expected = {f"/ringcal/{name}" for name in TRIGGERS + PARAMETER_SERVICES}
+    robot.until(
+        lambda: expected <= dict(node.get_service_names_and_types_by_node("ringcal", "/")).keys(),
+        "the node's services",
+    )
+    services = dict(node.get_service_names_and_types_by_node("ringcal", "/"))
+    assert all(services[f"/ringcal/{name}"] == ["std_srvs/srv/Trigger"] for name in TRIGGERS)
+
+
+@pytest.mark.parametrize("qos", [BEST_EFFORT, RELIABLE], ids=["best effort", "reliable"])
+def test_every_publisher_is_heard(ringcal: RingcalProcess, robot: Robot, sequence: Sequence, qos: QoSProfile) -> None:
+    assert len(Camera(robot, qos=qos).show(sequence.frames[0].pixels).centres) == 35
+
+
+def test_two_nodes_under_their_own_names_hear_their_own_cameras(start: Start, robot: Robot, sequence: Sequence) -> None:
+    start("-r", "__ns:=/left", "-r", "image:=camera/image_raw")
+    start("-r", "__node:=eye", "-r", "__ns:=/right", "-r", "image:=/cameras/right", "-r", "~/centres:=/found")
+    left = Camera(robot, "/left/ringcal", "/left/camera/image_raw")
+    robot.until(lambda: robot.knows("ringcal", "/left") and robot.knows("eye", "/right"), "both nodes")
+    assert len(left.show(sequence.frames[0].pixels).centres) == 35
+
+    names = robot.until(lambda: dict(robot.node.get_publisher_names_and_types_by_node("eye", "/right")), "topics")
+    assert "/right/eye/status" in names and "/found" in names and "/right/eye/centres" not in names
+    heard = dict(robot.node.get_subscriber_names_and_types_by_node("eye", "/right"))
+    assert "/cameras/right" in heard and "/right/image" not in heard
+    assert robot.trigger("/right/eye/reset").success

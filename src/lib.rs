@@ -14,4 +14,5 @@ pub mod formats;
 pub mod frame;
 pub mod report;
 pub mod session;
+pub mod simulate;
 pub mod source;

@@ -1,10 +1,15 @@
 //! `ringcal detect`: finds the board in image files.
 
 use super::board_file;
+use crate::board::Board;
 use crate::centre::Estimator;
-use crate::detect::{DetectOptions, Detector};
-use crate::formats::DetectionLine;
-use crate::frame::{Frame, Stamp};
+use crate::detect::{DetectOptions, Detection, Detector, Miss};
+use crate::formats::{DetectionLine, write_by_rename};
+use crate::frame::Frame;
+use crate::report::{Scale, overlay, png};
+use crate::source::read_image;
+use anyhow::Context;
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -41,19 +46,37 @@ enum Format {
 /// command fails at the end.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let board = board_file(&arguments.board)?;
-    let detector = Detector::new(
-        board,
-        DetectOptions {
-            estimator: arguments.estimator,
-        },
-    );
+    let estimator = arguments.estimator;
+    let detector = Detector::new(board, DetectOptions { estimator });
+    let mut overlays = arguments.overlay.map(Overlays::new).transpose()?;
     let mut unreadable = 0;
     for path in &arguments.images {
-        let line = match read(path) {
-            Ok(frame) => look(&detector, &frame, path),
-            Err(reason) => {
+        let name = path.display().to_string();
+        let line = match read_image(path) {
+            Ok(frame) => {
+                let begin = Instant::now();
+                let outcome = detector.detect(&frame);
+                let elapsed_ms = begin.elapsed().as_secs_f64() * 1e3;
+                if let Some(overlays) = &mut overlays {
+                    overlays.write(path, &frame, detector.board(), &outcome)?;
+                }
+                match &outcome {
+                    Ok(detection) => DetectionLine::found(name, detection, elapsed_ms),
+                    Err(miss) => {
+                        let size = (frame.width(), frame.height());
+                        DetectionLine::missed(name, size, miss.to_string(), elapsed_ms)
+                    }
+                }
+            }
+            Err(error) => {
                 unreadable += 1;
-                DetectionLine::unreadable(path.display().to_string(), reason)
+                let reason = error.to_string();
+                // the line begins with the path already
+                let reason = reason
+                    .strip_prefix(&format!("{name}: "))
+                    .unwrap_or(&reason)
+                    .to_owned();
+                DetectionLine::unreadable(name, reason)
             }
         };
         let text = match arguments.format {
@@ -62,31 +85,44 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         };
         writeln!(std::io::stdout().lock(), "{text}")?;
     }
+    let all = arguments.images.len();
     anyhow::ensure!(
         unreadable == 0,
-        "{unreadable} of {} files could not be read",
-        arguments.images.len()
+        "{unreadable} of {all} files could not be read"
     );
     Ok(())
 }
 
-fn look(detector: &Detector, frame: &Frame, path: &Path) -> DetectionLine {
-    let name = path.display().to_string();
-    let begin = Instant::now();
-    let outcome = detector.detect(frame);
-    let elapsed_ms = begin.elapsed().as_secs_f64() * 1e3;
-    match outcome {
-        Ok(detection) => DetectionLine::found(name, &detection, elapsed_ms),
-        Err(miss) => DetectionLine::missed(
-            name,
-            (frame.width(), frame.height()),
-            miss.to_string(),
-            elapsed_ms,
-        ),
-    }
+/// A folder of pictures of what was found, named after the images.
+struct Overlays {
+    folder: PathBuf,
+    /// Names that are taken: images of two folders may be called the same.
+    taken: HashSet<PathBuf>,
 }
 
-fn read(path: &Path) -> Result<Frame, String> {
-    let bytes = std::fs::read(path).map_err(|e| e.to_string())?;
-    Frame::decode(&bytes, Stamp::default(), path.display().to_string()).map_err(|e| e.to_string())
+impl Overlays {
+    fn new(folder: PathBuf) -> anyhow::Result<Self> {
+        std::fs::create_dir_all(&folder).with_context(|| format!("folder {}", folder.display()))?;
+        let taken = HashSet::new();
+        Ok(Self { folder, taken })
+    }
+
+    fn write(
+        &mut self,
+        image: &Path,
+        frame: &Frame,
+        board: &Board,
+        outcome: &Result<Detection, Miss>,
+    ) -> anyhow::Result<()> {
+        let stem = image.file_stem().unwrap_or_default().to_string_lossy();
+        let path = std::iter::once(format!("{stem}.png"))
+            .chain((2..).map(|n| format!("{stem}_{n}.png")))
+            .map(|name| self.folder.join(name))
+            .find(|path| !self.taken.contains(path))
+            .context("no free name for the overlay")?;
+        let picture = overlay(frame, board, outcome.as_ref(), &[], Scale::default());
+        write_by_rename(&path, &png(&picture)?).with_context(|| format!("{}", path.display()))?;
+        self.taken.insert(path);
+        Ok(())
+    }
 }

@@ -1,4 +1,5 @@
-//! Connected patches that are lighter than their surroundings: the inner discs of rings are among them.
+//! Connected patches that are lighter or darker than their surroundings: inner discs and whole blurred rings are among
+//! them.
 
 use super::band_pass::BandPass;
 use nalgebra::{Matrix2, Point2};
@@ -88,13 +89,26 @@ impl Sums {
     }
 }
 
-/// All 4-connected patches above the margin, in the order of their first pixel (a union-find over runs, one pass).
-pub(super) fn light_blobs(band: &BandPass) -> Vec<Blob> {
+/// Which patches of a band are sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Side {
+    /// Above the surroundings (inner discs).
+    Light,
+    /// Below the surroundings (rings).
+    Dark,
+}
+
+/// All 4-connected patches beyond the margin, in the order of their first pixel (a union-find over runs, one pass).
+pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
     let mut parents: Vec<u32> = Vec::new();
     let mut sums: Vec<Sums> = Vec::new();
     let mut above: Vec<Run> = Vec::new();
     for y in 0..band.plane.height() {
-        let mut runs = runs_of(band.plane.row(y), band.margin);
+        let row = band.plane.row(y);
+        let mut runs = match side {
+            Side::Light => runs_of(row, |v| v > band.margin),
+            Side::Dark => runs_of(row, |v| v < -band.margin),
+        };
         let mut first = 0;
         for run in &mut runs {
             while above.get(first).is_some_and(|a| a.end <= run.begin) {
@@ -120,11 +134,11 @@ pub(super) fn light_blobs(band: &BandPass) -> Vec<Blob> {
         .collect()
 }
 
-fn runs_of(row: &[f32], margin: f32) -> Vec<Run> {
+fn runs_of(row: &[f32], inside: impl Fn(f32) -> bool) -> Vec<Run> {
     let mut runs = Vec::new();
     let mut begin = None;
-    for (x, &value) in row.iter().chain(std::iter::once(&f32::MIN)).enumerate() {
-        match (begin, value > margin) {
+    for (x, is_in) in row.iter().map(|&v| inside(v)).chain([false]).enumerate() {
+        match (begin, is_in) {
             (None, true) => begin = Some(x as u32),
             (Some(b), false) => {
                 runs.push(Run {
@@ -165,6 +179,10 @@ mod tests {
     use super::*;
     use crate::frame::Plane;
 
+    fn blobs_of(band: &BandPass) -> Vec<Blob> {
+        blobs(band, Side::Light)
+    }
+
     fn band(rows: &[&str]) -> BandPass {
         let data = rows
             .iter()
@@ -178,7 +196,7 @@ mod tests {
 
     #[test]
     fn patches_that_join_late_are_one() {
-        let blobs = light_blobs(&band(&["#.#.#", "#.###", "###..", "....#"]));
+        let blobs = blobs_of(&band(&["#.#.#", "#.###", "###..", "....#"]));
         let areas: Vec<f64> = blobs.iter().map(|b| b.area).collect();
         assert_eq!(areas, [10.0, 1.0]);
         assert_eq!(blobs[1].centre, Point2::new(4.0, 3.0));
@@ -186,7 +204,7 @@ mod tests {
 
     #[test]
     fn moments_are_those_of_the_rectangle() {
-        let blob = light_blobs(&band(&["......", ".####.", ".####.", "......"]))[0];
+        let blob = blobs_of(&band(&["......", ".####.", ".####.", "......"]))[0];
         assert_eq!(blob.centre, Point2::new(2.5, 1.5));
         assert!((blob.spread[(0, 0)] - 16.0 / 12.0).abs() < 1e-12);
         assert!((blob.spread[(1, 1)] - 4.0 / 12.0).abs() < 1e-12);
@@ -208,7 +226,7 @@ mod tests {
                 })
                 .collect();
             let plane = Plane::from_vec(25, 25, data).unwrap();
-            light_blobs(&BandPass { plane, margin: 0.5 })[0].ellipse_misfit()
+            blobs_of(&BandPass { plane, margin: 0.5 })[0].ellipse_misfit()
         };
         assert!(misfit(&disc) < 0.02);
         assert!(misfit(&cross) > 0.4);

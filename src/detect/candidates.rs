@@ -1,7 +1,7 @@
 //! Patches that a ring of the other grey surrounds: rough inner and outer ellipses.
 
 use super::band_pass::BandPass;
-use super::blobs::{Blob, light_blobs};
+use super::blobs::{Blob, Side, blobs};
 use super::ellipse_fit::fit_ellipse;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Level;
@@ -20,7 +20,7 @@ const STEP: f64 = 0.1;
 
 /// All rings that show at one level, in frame pixels. `ratio` is the board's inner over outer radius.
 pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingEllipses> {
-    light_blobs(band)
+    blobs(band, Side::Light)
         .iter()
         .filter(|blob| is_compact(blob))
         .filter_map(|blob| surrounded(band, blob, ratio))
@@ -29,6 +29,37 @@ pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingE
             outer: to_frame(&ring.outer, level),
         })
         .collect()
+}
+
+/// All dark patches that may be rings whose inner disc the blur has drowned: their outlines in frame pixels.
+pub(super) fn disc_candidates(band: &BandPass, level: Level) -> Vec<Ellipse> {
+    blobs(band, Side::Dark)
+        .iter()
+        .filter(|blob| is_compact(blob))
+        .filter_map(|blob| outline(band, blob))
+        .map(|outline| to_frame(&outline, level))
+        .collect()
+}
+
+/// Where the band passes zero around a dark patch.
+fn outline(band: &BandPass, blob: &Blob) -> Option<Ellipse> {
+    let axes = half_axes(&blob.spread)?;
+    let points: Vec<Point2<f64>> = (0..RAYS)
+        .filter_map(|i| {
+            let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
+            let axis = axes * Vector2::new(cos, sin);
+            let at = |t: f64| {
+                let p = blob.centre + axis * t;
+                band.plane.bilinear(p.x, p.y)
+            };
+            let end = (1..=20)
+                .map(|k| f64::from(k) * STEP)
+                .find(|&t| at(t).is_some_and(|v| v >= 0.0))?;
+            Some(blob.centre + axis * (end - 0.5 * STEP))
+        })
+        .collect();
+    let enough = points.len() as f64 >= LEAST_RAYS * RAYS as f64;
+    enough.then(|| fit_ellipse(&points))?.map(|fit| fit.ellipse)
 }
 
 fn is_compact(blob: &Blob) -> bool {
@@ -112,16 +143,14 @@ fn cross_ring(
         match inner {
             None if value <= 0.0 && previous.1 > 0.0 => inner = Some(crossing()),
             None if t > 2.0 => return None,
-            Some(begin) => {
-                if value >= 0.0 && previous.1 < 0.0 {
-                    if darkest < -margin {
-                        return Some((begin, crossing()));
-                    }
-                    // noise made it cross before the ring began
-                    inner = None;
+            Some(begin) if value >= 0.0 && previous.1 < 0.0 => {
+                if darkest < -margin {
+                    return Some((begin, crossing()));
                 }
+                // noise made it cross before the ring began
+                inner = None;
             }
-            None => {}
+            _ => {}
         }
         darkest = darkest.min(value);
         previous = (t, value);

@@ -1,12 +1,12 @@
 //! The detector: a board and how to look for it.
 
 use super::detection::{Detection, Indices, Miss, Ring};
-use super::grid::find_grid;
+use super::grid::{Placed, find_grid};
 use super::homography::fit_homography;
 use super::ring_fit::RingFit;
-use super::rings::find_rings;
+use super::rings::{add_drowned, find_rings};
 use crate::board::{Board, Polarity};
-use crate::centre::Estimator;
+use crate::centre::{Estimator, RingEllipses};
 use crate::frame::Frame;
 use nalgebra::{Matrix3, Point2};
 
@@ -78,16 +78,16 @@ impl Detector {
 
     /// `sign` is 1 for dark rings, -1 for light ones.
     fn detect_sign(&self, frame: &Frame, sign: f64) -> Result<Detection, Miss> {
-        let rings = find_rings(frame, sign, self.board.radius_ratio());
+        let ratio = self.board.radius_ratio();
+        let rings = find_rings(frame, sign, ratio);
         if self.board.is_single() {
             return self.single(frame, &rings);
         }
-        let grid = find_grid(frame, &self.board, &rings, sign)?;
-        let rings: Vec<Ring> = grid
-            .rings
-            .iter()
-            .filter_map(|(row, column, fit)| self.ring(*row, *column, fit))
-            .collect();
+        let placed = find_grid(frame, &self.board, &rings, sign).or_else(|_| {
+            let all = add_drowned(frame, rings, sign, ratio);
+            find_grid(frame, &self.board, &all, sign)
+        })?;
+        let rings: Vec<Ring> = placed.iter().filter_map(|ring| self.ring(ring)).collect();
         let pairs: Vec<_> = rings
             .iter()
             .map(|r| {
@@ -113,11 +113,20 @@ impl Detector {
 
     /// The most conspicuous ring of the frame for a board of one.
     fn single(&self, frame: &Frame, rings: &[RingFit]) -> Result<Detection, Miss> {
-        let size = |r: &RingFit| r.contrast * r.ellipses.outer.major * r.ellipses.outer.minor;
+        let size = |r: &RingFit| r.contrast * r.outer.major * r.outer.minor;
         let ring = rings
             .iter()
-            .max_by(|a, b| size(a).total_cmp(&size(b)))
-            .and_then(|fit| self.ring(0, 0, fit))
+            .filter_map(|fit| Some((fit, fit.inner?)))
+            .max_by(|a, b| size(a.0).total_cmp(&size(b.0)))
+            .and_then(|(fit, inner)| {
+                let outer = fit.outer;
+                self.ring(&Placed {
+                    row: 0,
+                    column: 0,
+                    ellipses: RingEllipses { inner, outer },
+                    blur_sigma_px: fit.blur_sigma_px,
+                })
+            })
             .ok_or(Miss::NoRing)?;
         let outer = &ring.ellipses.outer;
         let scale = (outer.major * outer.minor).sqrt() / self.board.outer_radius_m();
@@ -132,19 +141,14 @@ impl Detector {
     }
 
     /// `None` where the ellipses have no projected centre.
-    fn ring(&self, row: u16, column: u16, fit: &RingFit) -> Option<Ring> {
-        let centre = self
-            .options
-            .estimator
-            .build()
-            .estimate(&fit.ellipses)
-            .ok()?;
+    fn ring(&self, placed: &Placed) -> Option<Ring> {
+        let estimator = self.options.estimator.build();
         Some(Ring {
-            row,
-            column,
-            centre,
-            ellipses: fit.ellipses,
-            blur_sigma_px: fit.blur_sigma_px,
+            row: placed.row,
+            column: placed.column,
+            centre: estimator.estimate(&placed.ellipses).ok()?,
+            ellipses: placed.ellipses,
+            blur_sigma_px: placed.blur_sigma_px,
         })
     }
 }

@@ -13,13 +13,13 @@ use nalgebra::{Point2, Vector2};
 const RAYS: (usize, usize) = (48, 192);
 /// Rays on either side over which levels are smoothed, as a fraction of all.
 const LEVEL_SMOOTHING: f64 = 1.0 / 24.0;
-/// Fraction of the rays that must show both edges.
+/// Fraction of the rays that must show an edge.
 const LEAST_RAYS: f64 = 0.6;
 
 /// The edge points of a ring.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct RingEdges {
-    /// On the inner circle's image, px.
+    /// On the inner circle's image, px; empty where too few rays show it.
     pub(super) inner: Vec<Point2<f64>>,
     /// On the outer circle's image, px.
     pub(super) outer: Vec<Point2<f64>>,
@@ -38,7 +38,7 @@ struct Levels {
 }
 
 /// Finds the edges near rough ellipses; `sign` is 1 where the ring is dark, -1 where it is light. `None` where fewer than
-/// [`LEAST_RAYS`] of the rays stay in the picture and show both edges.
+/// [`LEAST_RAYS`] of the rays stay in the picture and show the outer edge.
 pub(super) fn ring_edges<T: Pixel>(
     picture: &Plane<T>,
     rough: &RingEllipses,
@@ -59,11 +59,13 @@ pub(super) fn ring_edges<T: Pixel>(
     let levels = smoothed_levels(&profiles);
     let mut edges = RingEdges::default();
     for (profile, level) in profiles.iter().zip(&levels) {
-        let Some((inner, outer)) = crossings(profile, level) else {
+        let Some(outer) = outer_crossing(profile, level) else {
             continue;
         };
-        edges.inner.push(profile.point(inner));
         edges.outer.push(profile.point(outer));
+        edges
+            .inner
+            .extend(inner_crossing(profile, level).map(|inner| profile.point(inner)));
         let across = normal_at(&rough.outer, &profile.point(outer))
             .dot(&profile.direction)
             .abs();
@@ -74,28 +76,29 @@ pub(super) fn ring_edges<T: Pixel>(
     }
     let mut contrasts: Vec<f64> = levels.iter().map(|l| l.outside - l.ring).collect();
     edges.contrast = median(&mut contrasts);
-    (edges.inner.len() >= least).then_some(edges)
+    if edges.inner.len() < least {
+        edges.inner.clear();
+    }
+    (edges.outer.len() >= least).then_some(edges)
 }
 
-/// The two mid-level crossings nearest to the ring's extremum, px from the profile's origin.
-fn crossings(profile: &Profile, level: &Levels) -> Option<(f64, f64)> {
-    if level.inside <= level.ring || level.outside <= level.ring {
-        return None;
-    }
+/// The mid-level crossing next to the ring's extremum, inwards, px from the profile's origin.
+fn inner_crossing(profile: &Profile, level: &Levels) -> Option<f64> {
+    let wanted = 0.5 * (level.inside + level.ring);
     let values = &profile.values;
-    let middle = profile.darkest;
-    let inner_level = 0.5 * (level.inside + level.ring);
-    let outer_level = 0.5 * (level.outside + level.ring);
-    let below = (1..=middle)
+    let at = (1..=profile.darkest)
         .rev()
-        .find(|&i| values[i] <= inner_level && values[i - 1] > inner_level)?;
-    let above = (middle + 1..values.len())
-        .find(|&i| values[i] >= outer_level && values[i - 1] < outer_level)?;
-    let between = |i: usize, wanted: f64| {
-        let part = (wanted - values[i - 1]) / (values[i] - values[i - 1]);
-        (i as f64 - 1.0 + part) * profile.step_px
-    };
-    Some((between(below, inner_level), between(above, outer_level)))
+        .find(|&i| values[i] <= wanted && values[i - 1] > wanted)?;
+    (level.inside > level.ring).then(|| profile.radius_px(at, wanted))
+}
+
+/// The mid-level crossing next to the ring's extremum, outwards, px from the profile's origin.
+fn outer_crossing(profile: &Profile, level: &Levels) -> Option<f64> {
+    let wanted = 0.5 * (level.outside + level.ring);
+    let values = &profile.values;
+    let at = (profile.darkest + 1..values.len())
+        .find(|&i| values[i] >= wanted && values[i - 1] < wanted)?;
+    (level.outside > level.ring).then(|| profile.radius_px(at, wanted))
 }
 
 /// Levels of every ray, each the median over its neighbours.

@@ -3,7 +3,7 @@
 use super::detection::Miss;
 use super::labelling::{Label, Lattice, extent, lattices, predicted};
 use super::orientation::{Numbering, choose};
-use super::ring_fit::{RingFit, measure};
+use super::ring_fit::{RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
@@ -14,19 +14,23 @@ const LEAST_FOUND: f64 = 0.6;
 /// A lattice as full as this shows its true extent.
 const FULL: f64 = 0.8;
 
-/// The rings of the board by row and column.
-pub(super) struct Grid {
-    /// Every ring found, (row, column) each once, by row, then column.
-    pub(super) rings: Vec<(u16, u16, RingFit)>,
+/// One ring of the board: where it is on the board and what it looks like.
+pub(super) struct Placed {
+    pub(super) row: u16,
+    pub(super) column: u16,
+    /// Both ellipses, px; where the inner one has drowned, the board's homography gives their shapes and the outer edge
+    /// their place.
+    pub(super) ellipses: RingEllipses,
+    pub(super) blur_sigma_px: f64,
 }
 
-/// Finds the board among the rings of a frame.
+/// Finds the board among the rings of a frame: every ring found, (row, column) each once, by row, then column.
 pub(super) fn find_grid(
     frame: &Frame,
     board: &Board,
     rings: &[RingFit],
     sign: f64,
-) -> Result<Grid, Miss> {
+) -> Result<Vec<Placed>, Miss> {
     if rings.is_empty() {
         return Err(Miss::NoRing);
     }
@@ -134,20 +138,44 @@ impl<'a> Measured<'a> {
         Some(places)
     }
 
+    /// Both circles where the homography says they are.
+    fn predicted_ellipses(&self, label: Label) -> Option<RingEllipses> {
+        let image =
+            |radius_m: f64| circle_image(&self.homography, label, radius_m / self.board.pitch_m());
+        Some(RingEllipses {
+            inner: image(self.board.inner_radius_m())?,
+            outer: image(self.board.outer_radius_m())?,
+        })
+    }
+
     /// Measures a ring where the homography says it is.
     fn look_at(&self, label: Label) -> Option<RingFit> {
-        let pitch = self.board.pitch_m();
-        let inner = circle_image(&self.homography, label, self.board.inner_radius_m() / pitch)?;
-        let outer = circle_image(&self.homography, label, self.board.outer_radius_m() / pitch)?;
-        let rough = RingEllipses { inner, outer };
-        let ring = measure(self.frame, &rough, self.sign, self.board.radius_ratio())?;
+        let rough = self.predicted_ellipses(label)?;
+        let ratio = self.board.radius_ratio();
+        let ring = measure(self.frame, &rough, self.sign, ratio)
+            .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio))?;
         let (place, step) = predicted(&self.homography, label)?;
-        let near = (ring.ellipses.outer.centre - place).norm() < 0.25 * step;
-        let alike = (ring.ellipses.outer.major / outer.major).ln().abs() < 0.5;
+        let near = (ring.outer.centre - place).norm() < 0.25 * step;
+        let alike = (ring.outer.major / rough.outer.major).ln().abs() < 0.5;
         (near && alike).then_some(ring)
     }
 
-    fn verdict(self) -> Result<Grid, Miss> {
+    /// The two ellipses of a measured ring.
+    fn ellipses(&self, label: Label, ring: &RingFit) -> Option<RingEllipses> {
+        if let Some(inner) = ring.inner {
+            return Some(RingEllipses {
+                inner,
+                outer: ring.outer,
+            });
+        }
+        let mut ellipses = self.predicted_ellipses(label)?;
+        let shift = ring.outer.centre - ellipses.outer.centre;
+        ellipses.inner.centre += shift;
+        ellipses.outer.centre += shift;
+        Some(ellipses)
+    }
+
+    fn verdict(self) -> Result<Vec<Placed>, Miss> {
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let found = self.rings.len();
         let Some(numbering) = self.numbering() else {
@@ -161,22 +189,27 @@ impl<'a> Measured<'a> {
                 columns,
             });
         }
-        let mut rings: Vec<(u16, u16, RingFit)> = self
+        let mut rings: Vec<Placed> = self
             .rings
             .iter()
-            .filter_map(|(&label, &ring)| {
+            .filter_map(|(&label, ring)| {
                 let (column, row) = numbering.of(label);
                 let column = u16::try_from(column).ok().filter(|&c| c < columns)?;
                 let row = u16::try_from(row).ok().filter(|&r| r < rows)?;
-                Some((row, column, ring))
+                Some(Placed {
+                    row,
+                    column,
+                    ellipses: self.ellipses(label, ring)?,
+                    blur_sigma_px: ring.blur_sigma_px,
+                })
             })
             .collect();
-        rings.sort_by_key(|&(row, column, _)| (row, column));
-        let every_row = (0..rows).all(|r| rings.iter().any(|ring| ring.0 == r));
-        let every_column = (0..columns).all(|c| rings.iter().any(|ring| ring.1 == c));
+        rings.sort_by_key(|ring| (ring.row, ring.column));
+        let every_row = (0..rows).all(|r| rings.iter().any(|ring| ring.row == r));
+        let every_column = (0..columns).all(|c| rings.iter().any(|ring| ring.column == c));
         let enough = rings.len() as f64 >= LEAST_FOUND * self.board.ring_count() as f64;
         if every_row && every_column && enough {
-            Ok(Grid { rings })
+            Ok(rings)
         } else {
             Err(Miss::TooFewRings {
                 found: rings.len(),

@@ -62,7 +62,7 @@ struct Node {
 
 impl Node {
     fn of(ring: &RingFit) -> Self {
-        let outer = &ring.ellipses.outer;
+        let outer = &ring.outer;
         let (sin, cos) = outer.angle.sin_cos();
         let turn = Matrix2::new(cos, sin, -sin, cos);
         let shrink = Matrix2::new(1.0 / outer.major, 0.0, 0.0, 1.0 / outer.minor);

@@ -45,6 +45,12 @@ impl Profile {
         self.origin + self.direction * radius_px
     }
 
+    /// Where the smoothed profile passes a level between sample `at` and the one before it, px from the origin.
+    pub(super) fn radius_px(&self, at: usize, level: f64) -> f64 {
+        let (before, after) = (self.values[at - 1], self.values[at]);
+        (at as f64 - 1.0 + (level - before) / (after - before)) * self.step_px
+    }
+
     /// The Gaussian whose edge rises from a quarter to three quarters of the height over the same distance, less what
     /// sampling added; `None` where the profile ends before it has risen. `low` and `high` are the levels of the edge,
     /// `radius_px` is where it passes between them. Taken from the profile as sampled: smoothing would widen a sharp edge.

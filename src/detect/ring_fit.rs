@@ -1,10 +1,10 @@
 //! From rough ellipses to a measured ring: edges, ellipses, blur; or the verdict that it is none.
 
 use super::candidates::looks_concentric;
-use super::edges::{median, ring_edges};
+use super::edges::{RingEdges, median, ring_edges};
 use super::ellipse_fit::{EllipseFit, fit_ellipse};
-use crate::centre::RingEllipses;
-use crate::frame::{Frame, Pixel, Pixels, Plane};
+use crate::centre::{Ellipse, RingEllipses};
+use crate::frame::{Frame, Pixels};
 
 /// Edges are sought along rays of the ellipses of the round before.
 const ROUNDS: usize = 2;
@@ -12,12 +12,21 @@ const ROUNDS: usize = 2;
 const LEAST_INLIERS: f64 = 0.6;
 /// How far edges may stray from the ellipse: px, and as a fraction of the ring's width.
 const MOST_STRAY: (f64, f64) = (0.25, 0.12);
+/// How far above the board's radius ratio the measured one may be.
+const RATIO_SLACK: f64 = 1.5;
+/// The inner disc of a ring drowns where the blur sigma passes about its radius; a disc less blurred than this fraction
+/// of what would be its inner radius is a plain disc. (Measured blur falls short of the true one there by a third.)
+const DROWNING_BLUR: f64 = 0.6;
+/// Where rays of a disc begin, as a fraction of its radius.
+const DISC_MIDDLE: f64 = 0.05;
 
 /// A ring measured on the frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RingFit {
-    /// The images of its circles, px.
-    pub(super) ellipses: RingEllipses,
+    /// The image of its outer circle, px.
+    pub(super) outer: Ellipse,
+    /// The image of its inner circle, px; `None` where the blur has drowned it.
+    pub(super) inner: Option<Ellipse>,
     /// Standard deviation of the Gaussian that best explains the blur of the outer edge, px.
     pub(super) blur_sigma_px: f64,
     /// Distance of the edge points from the ellipses, px.
@@ -26,21 +35,10 @@ pub(super) struct RingFit {
     pub(super) contrast: f64,
 }
 
-/// Measures a ring near rough ellipses; `None` where there is none. `sign` is 1 for dark rings, -1 for light ones.
+/// Measures a ring near rough ellipses; `None` where there is none. `sign` is 1 for dark rings, -1 for light ones; `ratio`
+/// the board's inner over outer radius.
 pub(super) fn measure(
     frame: &Frame,
-    rough: &RingEllipses,
-    sign: f64,
-    ratio: f64,
-) -> Option<RingFit> {
-    match &frame.pixels {
-        Pixels::U8(plane) => measure_in(plane, rough, sign, ratio),
-        Pixels::U16(plane) => measure_in(plane, rough, sign, ratio),
-    }
-}
-
-fn measure_in<T: Pixel>(
-    plane: &Plane<T>,
     rough: &RingEllipses,
     sign: f64,
     ratio: f64,
@@ -48,18 +46,21 @@ fn measure_in<T: Pixel>(
     let mut ellipses = *rough;
     let mut fit = None;
     for _ in 0..ROUNDS {
-        let mut edges = ring_edges(plane, &ellipses, sign)?;
+        let mut edges = edges_of(frame, &ellipses, sign)?;
         let inner = fit_ellipse(&edges.inner)?;
         let outer = fit_ellipse(&edges.outer)?;
         ellipses = RingEllipses {
             inner: inner.ellipse,
             outer: outer.ellipse,
         };
-        if !is_ring(&inner, &outer, &ellipses, ratio) {
+        let width = outer.ellipse.minor - inner.ellipse.minor;
+        let clean = is_clean(&inner, width) && is_clean(&outer, width);
+        if !(clean && looks_concentric(&ellipses, ratio, RATIO_SLACK)) {
             return None;
         }
         fit = Some(RingFit {
-            ellipses,
+            outer: outer.ellipse,
+            inner: Some(inner.ellipse),
             blur_sigma_px: median(&mut edges.blur_sigma_px),
             stray_px: inner.scale_px.max(outer.scale_px),
             contrast: edges.contrast,
@@ -68,11 +69,56 @@ fn measure_in<T: Pixel>(
     fit
 }
 
-fn is_ring(inner: &EllipseFit, outer: &EllipseFit, ellipses: &RingEllipses, ratio: f64) -> bool {
-    let width = outer.ellipse.minor - inner.ellipse.minor;
-    let most_stray = MOST_STRAY.0 + MOST_STRAY.1 * width.max(0.0);
-    [inner, outer]
-        .iter()
-        .all(|fit| fit.inliers >= LEAST_INLIERS && fit.scale_px <= most_stray)
-        && looks_concentric(ellipses, ratio, 1.5)
+/// Measures the outer edge alone of a ring so blurred that its inner disc does not show; `None` where there is none, or
+/// where the blur is too small to have drowned an inner disc.
+pub(super) fn measure_disc(
+    frame: &Frame,
+    rough: &Ellipse,
+    sign: f64,
+    ratio: f64,
+) -> Option<RingFit> {
+    let mut outline = *rough;
+    let mut fit = None;
+    for _ in 0..ROUNDS {
+        let rays = RingEllipses {
+            inner: scaled(&outline, DISC_MIDDLE),
+            outer: outline,
+        };
+        let mut edges = edges_of(frame, &rays, sign)?;
+        let outer = fit_ellipse(&edges.outer)?;
+        let blur_sigma_px = median(&mut edges.blur_sigma_px);
+        let drowned = blur_sigma_px > DROWNING_BLUR * ratio * outer.ellipse.minor;
+        if !(drowned && is_clean(&outer, outer.ellipse.minor)) {
+            return None;
+        }
+        outline = outer.ellipse;
+        fit = Some(RingFit {
+            outer: outline,
+            inner: None,
+            blur_sigma_px,
+            stray_px: outer.scale_px,
+            contrast: edges.contrast,
+        });
+    }
+    fit
+}
+
+fn edges_of(frame: &Frame, rough: &RingEllipses, sign: f64) -> Option<RingEdges> {
+    match &frame.pixels {
+        Pixels::U8(plane) => ring_edges(plane, rough, sign),
+        Pixels::U16(plane) => ring_edges(plane, rough, sign),
+    }
+}
+
+fn is_clean(fit: &EllipseFit, width_px: f64) -> bool {
+    let most_stray = MOST_STRAY.0 + MOST_STRAY.1 * width_px.max(0.0);
+    fit.inliers >= LEAST_INLIERS && fit.scale_px <= most_stray
+}
+
+fn scaled(ellipse: &Ellipse, factor: f64) -> Ellipse {
+    Ellipse {
+        major: ellipse.major * factor,
+        minor: ellipse.minor * factor,
+        ..*ellipse
+    }
 }

@@ -106,7 +106,7 @@ mod tests {
         let (width, height) = (5, 3 * BAND_ROWS + 7);
         let data = (0..width * height).map(|k| (k * k % 251) as u8).collect();
         let plane = Plane::from_vec(width, height, data).unwrap();
-        let mut expected: Vec<u8> = Vec::new();
+        let mut expected = Vec::<u8>::new();
         for_each_row(&plane, 0..height, |_, _, means| expected.extend(means));
         assert_eq!(means(&plane), expected);
         let sum = collect(

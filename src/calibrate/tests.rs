@@ -329,7 +329,7 @@ fn the_closed_form_is_exact_for_an_ideal_lens() {
     let homographies: Vec<_> = observations(&board(), &views)
         .unwrap()
         .iter()
-        .map(|rings| homography::homography(rings).unwrap())
+        .map(|rings| guess::plane_to_frame(rings).unwrap())
         .collect();
     let found = zhang::intrinsics(&homographies, size).unwrap();
     assert!((found.fx - camera.intrinsics.fx).abs() < 1e-5);

@@ -2,10 +2,10 @@
 
 use super::detection::{Detection, Indices, Miss, Ring};
 use super::grid::{Placed, find_grid};
-use super::homography::fit_homography;
 use super::ring_fit::RingFit;
 use super::rings::{add_drowned, find_rings};
 use crate::board::{Board, Polarity};
+use crate::camera::homography::fit_homography;
 use crate::centre::{Estimator, RingEllipses};
 use crate::frame::Frame;
 use nalgebra::{Matrix3, Point2};

@@ -9,3 +9,4 @@ pub mod centre;
 pub mod cli;
 pub mod detect;
 pub mod frame;
+pub mod simulate;

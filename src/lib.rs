@@ -17,3 +17,4 @@ pub mod ros;
 pub mod session;
 pub mod simulate;
 pub mod source;
+pub mod simulate;

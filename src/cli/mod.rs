@@ -32,7 +32,7 @@ enum Command {
     /// Calibrate a camera from image files or folders.
     Calibrate(calibrate::Arguments),
     /// Render frames of a defocused board together with the truth.
-    Simulate(simulate::Arguments),
+    Simulate(Box<simulate::Arguments>),
     /// The whole job on this machine without hardware, over DDS.
     Demo(demo::Arguments),
 }
@@ -54,7 +54,7 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
         Command::Node(arguments) => node::run(arguments),
         Command::Detect(arguments) => detect::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
-        Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Demo(arguments) => demo::run(arguments),
     };
     match done {

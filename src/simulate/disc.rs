@@ -9,45 +9,92 @@ use super::outline::{GAUSS_LEGENDRE, Node};
 
 /// Adds one piece to a band.
 pub(super) fn add(band: &mut Band, node: &Node) {
-    let radius = node.size;
     let y = node.place.y - band.first_row as f64;
-    let density = 1.0 / (std::f64::consts::PI * radius);
-    for row in band.rows_near(node.place.y, radius + 0.5) {
-        let bottom = ((row as f64 + 0.5 - y) / radius).clamp(-1.0, 1.0).asin();
-        let top = ((row as f64 - 0.5 - y) / radius).clamp(-1.0, 1.0).asin();
-        let line = band.second_differences(row);
-        // near the top and the bottom of the disc the ends run along the row: at most a pixel at a time
-        let run = radius * (bottom.cos() - top.cos()).abs();
-        let parts = 1 + run as usize;
+    let heights = |row: usize| {
+        let border = |edge: f64| ((row as f64 + edge - y) / node.size).clamp(-1.0, 1.0);
+        (border(-0.5), border(0.5))
+    };
+    for row in band.rows_near(node.place.y, node.size + 0.5) {
+        let (top, bottom) = heights(row);
+        let mut ends = Ends {
+            line: band.second_differences(row),
+            node,
+        };
+        if top.abs().max(bottom.abs()) < STEEP && bottom - top < THIN {
+            ends.add_steep(top, bottom);
+        } else {
+            ends.add_cap(top.asin(), bottom.asin());
+        }
+    }
+}
+
+/// Nodes of the Gauss-Legendre rule of two points.
+const FRAC_1_SQRT_3: f64 = 0.577_350_269_189_625_8;
+
+/// Up to this height (of the radius) the rim of a disc is taken as a function of the height; above it turns too fast.
+const STEEP: f64 = 0.75;
+
+/// A row thinner than this (of the radius) needs two nodes where the rim is steep.
+const THIN: f64 = 0.25;
+
+/// The ends of the spans of one disc in one row.
+struct Ends<'a> {
+    line: &'a mut [f64],
+    node: &'a Node,
+}
+
+impl Ends<'_> {
+    /// Adds the rows between two heights, as shares of the radius, where the rim is steep.
+    fn add_steep(&mut self, top: f64, bottom: f64) {
+        let (middle, half) = (0.5 * (top + bottom), 0.5 * (bottom - top));
+        // two Gauss-Legendre nodes: over a row the ends move by about a pixel, and the ramp is piecewise quadratic
+        for at in [-FRAC_1_SQRT_3, FRAC_1_SQRT_3] {
+            let height = middle + half * at;
+            self.add(height, (1.0 - height * height).sqrt(), half);
+        }
+    }
+
+    /// Adds the rows between two angles on the rim, 0 at its right and left: at most a pixel and a radian at a time.
+    fn add_cap(&mut self, top: f64, bottom: f64) {
+        let run = self.node.size * (bottom.cos() - top.cos()).abs();
+        let parts = 1 + run as usize + (bottom - top) as usize;
         let half = 0.5 * (bottom - top) / parts as f64;
         for part in 0..parts {
             let middle = top + half * (2 * part + 1) as f64;
             for (at, weight) in GAUSS_LEGENDRE {
                 let (sin, cos) = (middle + half * at).sin_cos();
-                let light = -weight * half * cos * density * (node.rise + node.growth * sin);
-                add_end(line, node.place.x - radius * cos, light);
-                add_end(line, node.place.x + radius * cos, -light);
+                self.add(sin, cos, weight * half * cos);
             }
         }
+    }
+
+    /// Adds a span at this height, of this half width and this thickness, all in radii.
+    fn add(&mut self, height: f64, half_width: f64, thickness: f64) {
+        let (x, radius) = (self.node.place.x, self.node.size);
+        let rise = self.node.rise + self.node.growth * height;
+        let light = -rise * thickness / (std::f64::consts::PI * radius);
+        add_end(self.line, x - radius * half_width, light);
+        add_end(self.line, x + radius * half_width, -light);
     }
 }
 
 /// Adds to the second differences of a row the pixel-integrated ramp that begins at x with this slope.
 fn add_end(line: &mut [f64], x: f64, slope: f64) {
-    let first = (x + 0.5).floor();
-    if first >= line.len() as f64 {
+    if x >= line.len() as f64 {
         return;
     }
-    let (start, taps) = if first >= 0.0 {
-        let into = first - x;
+    let (start, taps) = if x >= -0.5 {
+        // the first pixel whose right border is beyond x
+        let first = (x + 0.5) as usize;
+        let into = first as f64 - x;
         let area = 0.5 * (into + 0.5) * (into + 0.5);
-        (first as usize, [area, into + 1.0 - 2.0 * area, area - into])
+        (first, [area, into + 1.0 - 2.0 * area, area - into])
     } else {
         // the ramp began left of the picture: the first two columns carry its value and slope
         let (at_0, at_1, at_2) = (ramp(-x), ramp(1.0 - x), ramp(2.0 - x));
         (0, [at_0, at_1 - 2.0 * at_0, at_2 - 2.0 * at_1 + at_0])
     };
-    for (pixel, tap) in line[start..].iter_mut().zip(taps) {
+    for (pixel, tap) in line.iter_mut().skip(start).zip(taps) {
         *pixel += slope * tap;
     }
 }

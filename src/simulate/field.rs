@@ -17,7 +17,7 @@ pub(super) struct Band {
     pub(super) rows: usize,
     /// First differences along the row.
     first: Vec<f64>,
-    /// Second differences along the row.
+    /// Second differences along the row; empty where nothing adds to them.
     second: Vec<f64>,
 }
 
@@ -42,12 +42,18 @@ impl Band {
 
     /// Sums the differences up to the picture.
     fn sum(mut self) -> Vec<f64> {
-        let rows = self.first.chunks_exact_mut(self.width);
-        for (first, second) in rows.zip(self.second.chunks_exact(self.width)) {
-            let (mut slope, mut value) = (0.0, 0.0);
-            for (pixel, bend) in first.iter_mut().zip(second) {
+        let bends = self.second.chunks_exact(self.width);
+        for (row, bends) in self.first.chunks_exact_mut(self.width).zip(bends) {
+            let mut slope = 0.0;
+            for (pixel, bend) in row.iter_mut().zip(bends) {
                 slope += bend;
-                value += slope + *pixel;
+                *pixel += slope;
+            }
+        }
+        for row in self.first.chunks_exact_mut(self.width) {
+            let mut value = 0.0;
+            for pixel in row {
+                value += *pixel;
                 *pixel = value;
             }
         }
@@ -62,7 +68,10 @@ pub(super) fn coverage(outline: &Outline, width: usize, first_row: usize, rows: 
         first_row,
         rows,
         first: vec![0.0; width * rows],
-        second: vec![0.0; width * rows],
+        second: match outline.psf {
+            Psf::Gaussian => Vec::new(),
+            Psf::Disc => vec![0.0; width * rows],
+        },
     };
     for segment in &outline.segments {
         sharp::add(&mut band, segment);

@@ -16,11 +16,13 @@
 //! | Gaussian | closed form: differences of the integrals of the normal distribution | `gaussian` |
 //! | disc | exact along the row; Gauss-Legendre in angle across it, to the second difference | `disc` |
 //!
-//! Because each node carries its own blur, a lens whose blur varies over a tilted board costs nothing extra, and the
-//! result is the aperture's average of the sharp pictures seen from each of its points: uniform paper stays uniform, which
-//! blurring each pixel by its own kernel does not achieve.
+//! Because each node carries its own blur, a lens whose blur varies over a tilted board costs nothing extra. The result is
+//! the aperture's average of the sharp pictures seen from each of its points, as a thin lens makes it: neither gathering
+//! nor scattering light with a kernel that varies over the picture gives that.
 //!
-//! Against brute force (`tests/simulate_truth.rs`) the grey values agree within 1e-4 of the contrast.
+//! Measured (`tests/simulate_truth.rs`, `tests/simulate.rs`): grey values agree with brute force within 1e-4 of the contrast
+//! (thin lens 3e-4, which is the brute force's own error: it shrinks as that is refined),
+//! centroids of blurred rings are right within 4e-5 px.
 //!
 //! # Conventions
 //! Light is linear, 1 is full scale before the response; grey is what the sensor makes of it. Blur happens on the
@@ -77,6 +79,7 @@ pub fn irradiance(scene: &Scene) -> Result<Plane<f32>, SceneError> {
     let paper = outline::paper(scene)?;
     let rings = outline::rings(scene)?;
     let (width, height) = (scene.camera.width as usize, scene.camera.height as usize);
+    let waves = scene::Waves::new(width, height);
     let mut plane = Plane::filled(width, height, 0.0_f32);
     plane
         .data_mut()
@@ -89,19 +92,16 @@ pub fn irradiance(scene: &Scene) -> Result<Plane<f32>, SceneError> {
                 .as_ref()
                 .map(|outline| field::coverage(outline, width, first_row, rows));
             let on_ring = field::coverage(&rings, width, first_row, rows);
+            let light = &scene.light;
             for (i, pixel) in pixels.iter_mut().enumerate() {
-                let (x, y) = ((i % width) as f64, (first_row + i / width) as f64);
-                let light = &scene.light;
-                let behind = match &on_paper {
-                    Some(on_paper) => {
-                        let around = light.background_at(x, y);
-                        around + on_paper[i] * (light.paper - around)
-                    }
-                    None => light.paper,
-                };
+                let (x, y) = (i % width, first_row + i / width);
+                let behind = on_paper.as_ref().map_or(light.paper, |on_paper| {
+                    let around = light.background_at(&waves, x, y);
+                    around + on_paper[i] * (light.paper - around)
+                });
                 let flat = behind + on_ring[i] * (light.ring - light.paper);
-                *pixel = (flat * light.shade((x + 0.5) / width as f64, (y + 0.5) / height as f64))
-                    as f32;
+                let (across, down) = (x as f64 + 0.5, y as f64 + 0.5);
+                *pixel = (flat * light.shade(across / width as f64, down / height as f64)) as f32;
             }
         });
     Ok(plane)

@@ -181,7 +181,11 @@ impl<'a> Tracer<'a> {
         if at_middle.size < SHARP_SIZE_PX {
             let from = self.picture(&curve(start))?.place;
             let to = self.picture(&curve(end))?.place;
-            self.outline.segments.push(Segment { from, to });
+            // the triangle that has the area of the arc: a parabola's is two thirds of its height, a triangle's half
+            let chord = nalgebra::center(&from, &to);
+            let apex = chord + (at_middle.place - chord) * (4.0 / 3.0);
+            self.outline.segments.push(Segment { from, to: apex });
+            self.outline.segments.push(Segment { from: apex, to });
             return Ok(());
         }
         for (node, weight) in GAUSS_LEGENDRE {
@@ -230,13 +234,14 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// Longest piece that four nodes (or one straight line) follow well enough, px.
+/// Longest piece that four nodes (or two straight lines) follow well enough, px.
 fn longest_piece(psf: Psf, size: f64) -> f64 {
     match psf {
-        _ if size < SHARP_SIZE_PX => 0.03,
+        // two straight lines over an arc of 0.2 px
+        _ if size < SHARP_SIZE_PX => 0.2,
         // four nodes in two sigmas leave 1e-6 of a Gaussian
         Psf::Gaussian => 2.0 * size,
-        // the rim of a disc is a step, softened only by the pixels
-        Psf::Disc => (0.5 * size).min(1.0),
+        // the rim of a disc is a step, softened only by the pixels: the smaller the disc, the more each piece weighs
+        Psf::Disc => (0.06 * size).clamp(0.2, 1.0).min(0.25 * size),
     }
 }

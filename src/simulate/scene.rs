@@ -48,19 +48,35 @@ impl Light {
     }
 
     /// Light of the background at a pixel: a few long waves, already out of focus.
-    pub(super) fn background_at(&self, x: f64, y: f64) -> f64 {
-        if self.texture == 0.0 {
-            return self.background;
-        }
-        let waves = (0.021 * x + 0.008 * y + 0.4).sin()
-            + (0.009 * x - 0.027 * y + 1.9).sin()
-            + (0.034 * x + 0.031 * y + 4.2).sin();
-        self.background + self.texture / 3.0 * waves
+    pub(super) fn background_at(&self, waves: &Waves, x: usize, y: usize) -> f64 {
+        let [a, b] = waves.across[x];
+        let [c, d] = waves.down[y];
+        self.background + 0.5 * self.texture * (a * c + b * d)
     }
 
     /// Factor of the shading at a place in the frame, both coordinates in 0..1.
     pub(super) fn shade(&self, across: f64, down: f64) -> f64 {
         1.0 + self.shading[0] * (across - 0.5) + self.shading[1] * (down - 0.5)
+    }
+}
+
+/// The pattern of the background as products of one wave across the frame and one down.
+#[derive(Debug)]
+pub(super) struct Waves {
+    across: Vec<[f64; 2]>,
+    down: Vec<[f64; 2]>,
+}
+
+impl Waves {
+    /// The waves over a frame of this size.
+    pub(super) fn new(width: usize, height: usize) -> Self {
+        let wave = |step: [f64; 2], phase: f64| {
+            move |i: usize| step.map(|step| (step * i as f64 + phase).sin())
+        };
+        Self {
+            across: (0..width).map(wave([0.021, 0.043], 0.4)).collect(),
+            down: (0..height).map(wave([0.017, 0.037], 1.9)).collect(),
+        }
     }
 }
 

@@ -13,14 +13,10 @@ from launch_ros.substitutions import FindPackageShare
 
 def generate_launch_description() -> LaunchDescription:
     config = PathJoinSubstitution([FindPackageShare("ringcal"), "config"])
-    image = LaunchConfiguration("image")
     return LaunchDescription(
         [
             DeclareLaunchArgument(
-                "image", default_value="image", description="topic of the camera's images, without /compressed"
-            ),
-            DeclareLaunchArgument(
-                "image_transport", default_value="raw", choices=["raw", "compressed"], description="form of the images"
+                "image", default_value="image", description="topic of the camera's images, sensor_msgs/msg/Image"
             ),
             DeclareLaunchArgument(
                 "board_file",
@@ -33,11 +29,6 @@ def generate_launch_description() -> LaunchDescription:
                 description="parameters of the node; the arguments given here win",
             ),
             DeclareLaunchArgument("namespace", default_value="", description="namespace of the node"),
-            DeclareLaunchArgument(
-                "set_camera_info",
-                default_value="set_camera_info",
-                description="the camera driver's service, which ~/commit calls",
-            ),
             Node(
                 package="ringcal",
                 executable="ringcal_node",
@@ -46,17 +37,10 @@ def generate_launch_description() -> LaunchDescription:
                 output="screen",
                 parameters=[
                     LaunchConfiguration("params_file"),
-                    {
-                        # strings even where they look like numbers
-                        "board_file": ParameterValue(LaunchConfiguration("board_file"), value_type=str),
-                        "image_transport": ParameterValue(LaunchConfiguration("image_transport"), value_type=str),
-                    },
+                    # a string even where it looks like a number
+                    {"board_file": ParameterValue(LaunchConfiguration("board_file"), value_type=str)},
                 ],
-                remappings=[
-                    ("image", image),
-                    ("image/compressed", [image, "/compressed"]),
-                    ("set_camera_info", LaunchConfiguration("set_camera_info")),
-                ],
+                remappings=[("image", LaunchConfiguration("image"))],
             ),
         ]
     )

@@ -1,5 +1,7 @@
 """Frames that nothing can be found in: the node says why, and lives on."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from sensor_msgs.msg import Image
@@ -47,7 +49,7 @@ def _empty(image: Image) -> None:
 
 
 @pytest.mark.parametrize("spoil", [_unknown_encoding, _too_little_data, _size_that_lies, _rows_that_overlap, _empty])
-def test_a_broken_frame_is_counted_and_explained(camera: Camera, ringcal: RingcalProcess, spoil) -> None:
+def test_a_broken_frame_is_counted_and_explained(camera: Camera, ringcal: RingcalProcess, spoil: Callable[[Image], None]) -> None:
     failed = camera.statuses[-1].frames_failed
     image = camera.image(_grey())
     spoil(image)

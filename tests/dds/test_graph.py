@@ -8,7 +8,7 @@ from ringcal_process import RingcalProcess
 from robot import BEST_EFFORT, RELIABLE, Camera, Robot
 from sequence import Sequence
 
-TRIGGERS = ("calibrate", "reset", "save", "commit")
+TRIGGERS = ("calibrate", "reset", "save")
 PARAMETER_SERVICES = (
     "describe_parameters",
     "get_parameter_types",
@@ -25,7 +25,6 @@ PUBLISHED = {
     "/ringcal/debug_image/compressed": "sensor_msgs/msg/CompressedImage",
     "/ringcal/enhanced_image": "sensor_msgs/msg/Image",
     "/ringcal/enhanced_image/compressed": "sensor_msgs/msg/CompressedImage",
-    "/diagnostics": "diagnostic_msgs/msg/DiagnosticArray",
     "/parameter_events": "rcl_interfaces/msg/ParameterEvent",
     "/rosout": "rcl_interfaces/msg/Log",
 }

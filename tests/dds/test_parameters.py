@@ -1,11 +1,13 @@
 """Parameters: from the command line, from files and through the services that every ROS tool uses."""
 
 from pathlib import Path
+from typing import Any
 
 import pytest
-from rcl_interfaces.msg import ParameterDescriptor, ParameterType
-from rclpy.parameter import Parameter
+from rcl_interfaces.msg import ParameterDescriptor, ParameterType, SetParametersResult
+from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
+from rclpy.task import Future
 
 from conftest import Start
 from ringcal_process import BOARD, ROOT, RingcalProcess
@@ -20,29 +22,23 @@ class Parameters:
         self._client = AsyncParameterClient(robot.node, node)
         robot.until(self._client.services_are_ready, f"the parameter services of {node}")
 
-    def _wait(self, future):
+    def _wait(self, future: Future) -> Any:
         self._robot.until(future.done, "a parameter service")
         return future.result()
 
     def names(self) -> list[str]:
         return list(self._wait(self._client.list_parameters()).result.names)
 
-    def get(self, name: str):
+    def get(self, name: str) -> Any:
         (value,) = self._wait(self._client.get_parameters([name])).values
-        return Parameter.from_parameter_msg(_message(name, value)).value
+        return parameter_value_to_python(value)
 
-    def set(self, **values):
+    def set(self, **values: Any) -> list[SetParametersResult]:
         answer = self._wait(self._client.set_parameters([Parameter(n, value=v) for n, v in values.items()]))
         return answer.results
 
     def describe(self, name: str) -> ParameterDescriptor:
         return self._wait(self._client.describe_parameters([name])).descriptors[0]
-
-
-def _message(name, value):
-    from rcl_interfaces.msg import Parameter as Message
-
-    return Message(name=name, value=value)
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +66,7 @@ def test_a_change_takes_effect(parameters: Parameters, camera: Camera) -> None:
 @pytest.mark.parametrize(
     "name, value", [("estimator", "best"), ("jpeg_quality", 0), ("min_views", "ten"), ("board_file", "/nowhere.yaml")]
 )
-def test_a_value_that_makes_no_sense_is_refused_with_the_reason(parameters: Parameters, name: str, value) -> None:
+def test_a_value_that_makes_no_sense_is_refused_with_the_reason(parameters: Parameters, name: str, value: Any) -> None:
     before = parameters.get(name)
     (result,) = parameters.set(**{name: value})
     assert not result.successful

@@ -11,11 +11,10 @@ def test_calibrate_without_views_says_how_many_are_missing(camera: Camera) -> No
     camera.status(lambda s: s.last_result == answer.message, "the answer")
 
 
-def test_save_and_commit_without_a_calibration_say_so(camera: Camera) -> None:
-    for service in ("save", "commit"):
-        answer = camera.trigger(service)
-        assert not answer.success
-        assert "calibrat" in answer.message
+def test_save_without_a_calibration_says_so(camera: Camera) -> None:
+    answer = camera.trigger("save")
+    assert not answer.success
+    assert "calibrat" in answer.message
 
 
 def test_reset_forgets_the_views(camera: Camera, sequence: Sequence) -> None:

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 const BOARD: &str = "rows: 5\ncolumns: 6\npitch: 0.02\ninner_radius: 0.004\nouter_radius: 0.008\n";
-const SAMPLES: usize = 4;
+const SAMPLES: usize = 3;
 
 fn camera() -> Camera {
     Camera {
@@ -27,39 +27,47 @@ fn camera() -> Camera {
     }
 }
 
-/// Grey 0.1 on the rings, 0.9 beside them, `SAMPLES` x `SAMPLES` samples a pixel.
-fn picture(pose: &Pose) -> GrayImage {
+/// Normalised ray of every sample, `SAMPLES` x `SAMPLES` a pixel; the same for all views.
+fn rays() -> Vec<Vector3<f64>> {
     let camera = camera();
+    let count = SAMPLES as u32;
+    let at = |i: u32| (f64::from(i) + 0.5) / f64::from(count) - 0.5;
+    let mut rays = Vec::new();
+    for y in 0..camera.height * count {
+        for x in 0..camera.width * count {
+            let ray = camera.unproject(&Point2::new(at(x), at(y))).unwrap();
+            rays.push(Vector3::new(ray.x, ray.y, 1.0));
+        }
+    }
+    rays
+}
+
+/// Dark rings on a light board.
+fn picture(pose: &Pose, rays: &[Vector3<f64>]) -> GrayImage {
     let back = pose.rotation.inverse();
-    let dark = |x: f64, y: f64| {
-        let Some(ray) = camera.unproject(&Point2::new(x, y)) else {
-            return false;
-        };
-        let (origin, direction) = (
-            back * -pose.translation_m,
-            back * Vector3::new(ray.x, ray.y, 1.0),
-        );
+    let origin = back * -pose.translation_m;
+    let dark = |ray: &Vector3<f64>| {
+        let direction = back * ray;
         let on_board = origin - direction * (origin.z / direction.z);
         let (column, row) = ((on_board.x / 0.02).round(), (on_board.y / 0.02).round());
         let ring = (0.0..6.0).contains(&column) && (0.0..5.0).contains(&row);
         let distance = (on_board.x - column * 0.02).hypot(on_board.y - row * 0.02);
         ring && (0.004..0.008).contains(&distance)
     };
-    GrayImage::from_fn(camera.width, camera.height, |x, y| {
-        let count = (0..SAMPLES * SAMPLES)
-            .filter(|sample| {
-                let offset = |i: usize| (i as f64 + 0.5) / SAMPLES as f64 - 0.5;
-                dark(
-                    f64::from(x) + offset(sample % SAMPLES),
-                    f64::from(y) + offset(sample / SAMPLES),
-                )
-            })
+    let (width, height) = (camera().width, camera().height);
+    let stride = width as usize * SAMPLES;
+    GrayImage::from_fn(width, height, |x, y| {
+        let first = y as usize * SAMPLES * stride + x as usize * SAMPLES;
+        let count = (0..SAMPLES)
+            .flat_map(|row| &rays[first + row * stride..][..SAMPLES])
+            .filter(|ray| dark(ray))
             .count();
         Luma([(230.0 - 200.0 * count as f64 / (SAMPLES * SAMPLES) as f64) as u8])
     })
 }
 
 fn write_views(folder: &Path, count: u32) {
+    let rays = rays();
     for i in 0..count {
         let (a, b) = (f64::from(i) * 2.4, f64::from(i % 3) - 1.0);
         let rotation = Rotation3::new(Vector3::new(0.45 * a.cos(), 0.45 * a.sin(), 0.1 * b));
@@ -68,7 +76,7 @@ fn write_views(folder: &Path, count: u32) {
             rotation,
             translation_m: middle - rotation * Vector3::new(0.05, 0.04, 0.0),
         };
-        picture(&pose)
+        picture(&pose, &rays)
             .save(folder.join(format!("view_{i}.png")))
             .unwrap();
     }

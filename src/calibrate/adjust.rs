@@ -82,9 +82,10 @@ fn lower(
             let (camera, poses) = step.apply(&now.camera, &now.poses);
             let next = NormalEquations::at(&camera, &poses, rings);
             if let Some(equations) = next.filter(|equations| equations.cost() < cost) {
-                // a step that keeps most of its promise calls for less damping
+                // Nielsen's rule: less damping after a step that kept its promise, more after one that overshot, or the
+                // steps swing from side to side of a curved valley
                 let gain = (cost - equations.cost()) / step.predicted;
-                *damping *= if gain > 0.75 { 0.1 } else { 1.0 };
+                *damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0);
                 *damping = damping.max(1e-15);
                 return Some(Adjusted {
                     camera,

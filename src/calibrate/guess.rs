@@ -1,9 +1,11 @@
 //! Where the adjustment starts.
 
 use super::observations::Observation;
-use super::{CalibrateError, Fixed, homography, zhang};
+use super::{CalibrateError, Fixed, zhang};
+use crate::camera::homography::fit_homography;
 use crate::camera::{Camera, Intrinsics, PlumbBob, Pose};
 use crate::session::View;
+use nalgebra::{Matrix3, Point2};
 
 /// Focal lengths over the longer side of the frame that are tried beside the closed forms: fields of view of 90 to 4
 /// degrees. Strong distortion or few views can make the closed forms useless, and the adjustment finds its way from
@@ -21,7 +23,7 @@ pub(super) fn guess(
         .iter()
         .zip(observations)
         .map(|(view, rings)| {
-            homography::homography(rings).ok_or_else(|| CalibrateError::DegenerateView {
+            plane_to_frame(rings).ok_or_else(|| CalibrateError::DegenerateView {
                 source_name: view.source.clone(),
             })
         })
@@ -76,4 +78,13 @@ fn squared_error(
         }
     }
     sum.is_finite().then_some(sum)
+}
+
+/// Board plane (m) to frame (px); `None` where the rings stand in a line.
+pub(super) fn plane_to_frame(rings: &[Observation]) -> Option<Matrix3<f64>> {
+    let pairs: Vec<_> = rings
+        .iter()
+        .map(|ring| (Point2::from(ring.board_m), ring.pixel))
+        .collect();
+    fit_homography(&pairs)
 }

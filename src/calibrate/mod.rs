@@ -1,7 +1,7 @@
 //! Views -> camera: guess, bundle adjustment, uncertainty, and the refusal of views that cannot tell.
 //!
 //! 1. `observations` checks the views and pairs their rings with the board's.
-//! 2. `guess` takes a homography of each view (`homography`) and a camera without distortion from them (`zhang`).
+//! 2. `guess` takes a homography of each view and a camera without distortion from them (`zhang`).
 //! 3. `adjust` minimises the reprojection error over camera and poses, first over the focal lengths and k1, then over
 //!    everything that is free, on the `normal_equations` with the poses eliminated.
 //! 4. The covariance of the parameters is that of least squares. Views that leave a focal length or the principal
@@ -11,7 +11,6 @@ mod adjust;
 mod calibration;
 mod error;
 mod guess;
-mod homography;
 mod normal_equations;
 mod observations;
 mod options;

@@ -2,7 +2,9 @@
 
 use super::synthetic::{board, long, ordinary, pose_at, poses, views, wide, with_covariance};
 use super::*;
+use crate::camera::PlumbBob;
 use nalgebra::{Matrix2, Vector3};
+use rand::{RngExt, SeedableRng};
 
 const P: usize = Camera::PARAMETER_COUNT;
 
@@ -327,7 +329,7 @@ fn the_closed_form_is_exact_for_an_ideal_lens() {
     let homographies: Vec<_> = observations(&board(), &views)
         .unwrap()
         .iter()
-        .map(|rings| homography::homography(rings).unwrap())
+        .map(|rings| guess::plane_to_frame(rings).unwrap())
         .collect();
     let found = zhang::intrinsics(&homographies, size).unwrap();
     assert!((found.fx - camera.intrinsics.fx).abs() < 1e-5);
@@ -339,4 +341,41 @@ fn the_closed_form_is_exact_for_an_ideal_lens() {
     let truth = poses(&camera, &board())[5];
     assert!((pose.translation_m - truth.translation_m).norm() < 1e-9);
     assert!((pose.rotation * Vector3::z() - truth.rotation * Vector3::z()).norm() < 1e-9);
+}
+
+/// Focal lengths of 0.45 to 12 times 1280 px, barrels and cushions, 3 to 14 views, from no guess but the views.
+#[test]
+fn cameras_of_all_sorts_are_found() {
+    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(9);
+    let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    for case in 0..100_u32 {
+        let mut camera = ordinary();
+        let focal = 1280.0 * between(0.45_f64.ln(), 12.0_f64.ln()).exp();
+        (camera.intrinsics.fx, camera.intrinsics.fy) = (focal, focal * between(0.97, 1.03));
+        camera.intrinsics.cx = between(600.0, 680.0);
+        camera.intrinsics.cy = between(440.0, 520.0);
+        camera.distortion = PlumbBob {
+            k1: between(-0.35, 0.15),
+            ..PlumbBob::default()
+        };
+        camera.distortion.k2 = camera.distortion.k1.min(0.0).powi(2);
+        let poses: Vec<_> = (0..3 + case % 12)
+            .map(|_| {
+                let (tilt, angle) = (between(0.25, 0.75), between(0.0, std::f64::consts::TAU));
+                let turn = [tilt * angle.cos(), tilt * angle.sin(), between(-0.5, 0.5)];
+                let pixel = [between(450.0, 830.0), between(380.0, 580.0)];
+                pose_at(&camera, &board(), pixel, between(0.35, 0.6), turn)
+            })
+            .collect();
+        let result = solved(
+            &board(),
+            &views(&camera, &board(), &poses, 0.05, case.into()),
+        );
+        let error = (result.camera.intrinsics.fx - focal) / result.std(0);
+        assert!(
+            error.abs() < 5.0,
+            "case {case}, focal length {focal}: {error} std"
+        );
+        assert!(result.rms_px < 0.1, "case {case}: {}", result.rms_px);
+    }
 }

@@ -3,7 +3,7 @@
 //! The first two columns of a view's homography are K r1 and K r2 up to one factor. r1 and r2 are orthogonal and of equal
 //! length, which gives two linear equations in the entries of (K K^T)^-1 a view.
 
-use super::homography::null_vector;
+use crate::camera::homography::null_vector;
 use crate::camera::{Intrinsics, Pose};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
 

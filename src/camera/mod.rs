@@ -3,6 +3,7 @@
 //! Camera frame (REP 103, optical): x right, y down, z forward into the scene, metres. A point projects as
 //! normalised coordinates (X/Z, Y/Z) -> distortion -> pixel (fx x + cx, fy y + cy).
 
+pub(crate) mod homography;
 mod parameters;
 mod plumb_bob;
 mod pose;

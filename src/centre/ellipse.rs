@@ -62,6 +62,15 @@ impl Ellipse {
         })
     }
 
+    /// Whether a point lies inside the curve.
+    pub fn contains(&self, point: &Point2<f64>) -> bool {
+        let offset = point - self.centre;
+        let (sin, cos) = self.angle.sin_cos();
+        let u = (cos * offset.x + sin * offset.y) / self.major;
+        let v = (cos * offset.y - sin * offset.x) / self.minor;
+        u * u + v * v < 1.0
+    }
+
     /// The point at parameter `t` rad (0 on the major axis).
     pub fn point(&self, t: f64) -> Point2<f64> {
         let (sin, cos) = self.angle.sin_cos();
@@ -92,6 +101,12 @@ mod tests {
             assert!((back.minor - ellipse.minor).abs() < 1e-7);
             assert!((back.angle - ellipse.angle).abs() < 1e-9);
         }
+        assert!(
+            ellipse.contains(&(ellipse.centre + (ellipse.point(2.0) - ellipse.centre) * 0.999))
+        );
+        assert!(
+            !ellipse.contains(&(ellipse.centre + (ellipse.point(2.0) - ellipse.centre) * 1.001))
+        );
         let p = ellipse.point(1.1).to_homogeneous();
         assert!((p.transpose() * ellipse.conic() * p)[0].abs() < 1e-9);
     }

@@ -165,7 +165,12 @@ impl Collected {
     fn add(&mut self, source: String, detection: Result<Detection, String>) {
         let at = self.session.views().len();
         let outcome = match detection {
-            Err(reason) => Outcome::NotUsed { source, reason },
+            Err(reason) => {
+                // the file's name stands before the reason already
+                let bare = reason.strip_prefix(&format!("{source}: "));
+                let reason = bare.map_or_else(|| reason.clone(), str::to_owned);
+                Outcome::NotUsed { source, reason }
+            }
             Ok(detection) => {
                 let offer = self
                     .session

@@ -2,10 +2,10 @@
 
 use super::detection::{Detection, Indices, Miss, Ring};
 use super::grid::{Placed, find_grid};
-use super::homography::fit_homography;
 use super::ring_fit::RingFit;
 use super::rings::{add_drowned, find_rings};
 use crate::board::{Board, Polarity};
+use crate::camera::homography::fit_homography;
 use crate::centre::{Estimator, RingEllipses};
 use crate::frame::Frame;
 use nalgebra::{Matrix3, Point2};
@@ -140,15 +140,21 @@ impl Detector {
         })
     }
 
-    /// `None` where the ellipses have no projected centre.
+    /// `None` where the ellipses have no projected centre, or the construction puts it outside the inner circle: blur has
+    /// then spoilt their shapes beyond what it bears.
     fn ring(&self, placed: &Placed) -> Option<Ring> {
         let estimator = self.options.estimator.build();
-        Some(Ring {
-            row: placed.row,
-            column: placed.column,
-            centre: estimator.estimate(&placed.ellipses).ok()?,
-            ellipses: placed.ellipses,
-            blur_sigma_px: placed.blur_sigma_px,
-        })
+        let centre = estimator.estimate(&placed.ellipses).ok()?;
+        placed
+            .ellipses
+            .inner
+            .contains(&centre.point)
+            .then_some(Ring {
+                row: placed.row,
+                column: placed.column,
+                centre,
+                ellipses: placed.ellipses,
+                blur_sigma_px: placed.blur_sigma_px,
+            })
     }
 }

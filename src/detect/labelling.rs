@@ -3,8 +3,8 @@
 //! Every ring carries a scale of its own: in the coordinates in which its outer ellipse is the unit circle, its
 //! neighbours stand at pitch over outer radius, at right angles, whatever the view.
 
-use super::homography::{apply, fit_homography};
 use super::ring_fit::RingFit;
+use crate::camera::homography::{apply, fit_homography};
 use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
 use std::collections::{BTreeMap, VecDeque};
 

@@ -8,7 +8,6 @@ mod detector;
 mod edges;
 mod ellipse_fit;
 mod grid;
-mod homography;
 mod labelling;
 mod orientation;
 mod profile;

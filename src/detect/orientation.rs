@@ -1,7 +1,7 @@
 //! Which ring is row 0, column 0: the quarter turns of a lattice and the rule that picks one.
 
-use super::homography::apply;
 use super::labelling::{Label, extent};
+use crate::camera::homography::apply;
 use nalgebra::{Matrix3, Point2};
 
 /// A turn of the labels by a number of quarters, then a shift: the numbering of the board. Handedness is kept.

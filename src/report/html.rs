@@ -9,7 +9,7 @@ h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.1rem;margin-top:2rem}\
 table{border-collapse:collapse;width:100%}\
 th,td{text-align:left;padding:.25rem .75rem .25rem 0;border-bottom:1px solid #e4e4e4;vertical-align:top}\
 td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}\
-figure{margin:0}svg{width:100%;height:auto;max-height:34rem;overflow:visible}\
+table.narrow{width:auto}table.narrow td,table.narrow th{padding-right:2rem}figure{margin:0}svg{width:100%;height:auto;max-height:34rem;overflow:visible}\
 .frame{fill:#fafafa;stroke:#999;stroke-width:1;vector-effect:non-scaling-stroke}\
 .pair{display:grid;grid-template-columns:1fr 1fr;gap:1.5rem}\
 .unused{color:#888}.warn{color:#a04000}\
@@ -46,19 +46,21 @@ pub fn report_html(file: &CalibrationJson) -> String {
 
 fn parameters(file: &CalibrationJson) -> String {
     let mut text = String::from(
-        "<table><tr><th>Name</th><th class=\"n\">Value</th><th class=\"n\">Standard deviation</th></tr>\n",
+        "<table class=\"narrow\"><tr><th>Name</th><th class=\"n\">Value</th><th class=\"n\">Standard deviation</th></tr>\n",
     );
     for name in &file.names {
         let (Some(value), Some(std)) = (file.parameters.get(name), file.std.get(name)) else {
             continue;
         };
+        // pixels to a ten-thousandth, what has no unit to as many digits as anyone uses
+        let digits = if "fx fy cx cy".contains(name) { 4 } else { 8 };
         let std = if file.fixed.contains(name) {
             "fixed".to_owned()
         } else {
-            format!("{std:.6}")
+            format!("{std:.digits$}")
         };
         text += &format!(
-            "<tr><td>{name}</td><td class=\"n\">{value:.6}</td><td class=\"n\">{std}</td></tr>\n"
+            "<tr><td>{name}</td><td class=\"n\">{value:.digits$}</td><td class=\"n\">{std}</td></tr>\n"
         );
     }
     text + "</table>"
@@ -134,7 +136,7 @@ mod tests {
         assert!(page.contains("&quot;a&quot; &amp; &#39;b&#39;"));
         assert!(page.contains("12 of 13 inputs used"));
         assert!(
-            page.contains("<td>k3</td><td class=\"n\">0.000000</td><td class=\"n\">fixed</td>")
+            page.contains("<td>k3</td><td class=\"n\">0.00000000</td><td class=\"n\">fixed</td>")
         );
         assert_eq!(page.matches("<circle").count(), 12 * 49);
         assert_eq!(page.matches("<line").count(), 12 * 49);

@@ -43,7 +43,7 @@ pub(super) fn residuals(file: &CalibrationJson) -> (String, f64) {
         text += &format!(
             "<g stroke=\"{}\" stroke-width=\"{:.2}\">",
             colour(at),
-            0.8 * dot
+            1.4 * dot
         );
         for ring in &view.rings {
             text += &format!(

@@ -1,13 +1,13 @@
-//! The plane-to-image map of a grid of centres: normalised direct linear transform.
+//! The plane-to-image map of points on a plane: the normalised direct linear transformation.
 
 use nalgebra::{DMatrix, Matrix3, Point2, Vector3};
 
-/// Eigenvalues below this fraction of the largest are zero but for rounding.
-const UNDETERMINED: f64 = 1e-10;
+/// Second smallest over largest singular value below which points do not determine a homography.
+const LINE_TOLERANCE: f64 = 1e-6;
 
-/// Least-squares homography from plane points to image points (Hartley's normalisation); `None` for fewer than four
-/// pairs or where they lie on a line.
-pub(super) fn fit_homography(pairs: &[(Point2<f64>, Point2<f64>)]) -> Option<Matrix3<f64>> {
+/// Homography from plane points to image points, least squares in the algebraic distance (Hartley's normalisation), scaled
+/// so that its last element is 1; `None` for fewer than four pairs or where either side stands in a line.
+pub(crate) fn fit_homography(pairs: &[(Point2<f64>, Point2<f64>)]) -> Option<Matrix3<f64>> {
     if pairs.len() < 4 {
         return None;
     }
@@ -17,36 +17,34 @@ pub(super) fn fit_homography(pairs: &[(Point2<f64>, Point2<f64>)]) -> Option<Mat
     for (i, (p, q)) in pairs.iter().enumerate() {
         let p = from * p.to_homogeneous();
         let q = to * q.to_homogeneous();
-        for (k, value) in [p.x, p.y, 1.0].into_iter().enumerate() {
-            design[(2 * i, k)] = value;
-            design[(2 * i, 6 + k)] = -q.x * value;
-            design[(2 * i + 1, 3 + k)] = value;
-            design[(2 * i + 1, 6 + k)] = -q.y * value;
+        for k in 0..3 {
+            design[(2 * i, k)] = p[k];
+            design[(2 * i, 6 + k)] = -q.x * p[k];
+            design[(2 * i + 1, 3 + k)] = p[k];
+            design[(2 * i + 1, 6 + k)] = -q.y * p[k];
         }
     }
-    let eigen = (design.transpose() * &design).symmetric_eigen();
-    let least = eigen.eigenvalues.imin();
-    // points on a line leave more than one solution
-    let largest = eigen.eigenvalues.max();
-    let solutions = eigen
-        .eigenvalues
-        .iter()
-        .filter(|&&v| v < UNDETERMINED * largest)
-        .count();
-    if solutions > 1 {
-        return None;
-    }
-    let h = eigen.eigenvectors.column(least);
-    let unit = Matrix3::new(h[0], h[1], h[2], h[3], h[4], h[5], h[6], h[7], h[8]);
+    let unit = Matrix3::from_row_slice(&null_vector(&design, LINE_TOLERANCE)?);
     let homography = to.try_inverse()? * unit * from;
-    let scale = homography[(2, 2)];
-    let usable =
-        unit.determinant().abs() > 1e-9 && scale != 0.0 && homography.iter().all(|v| v.is_finite());
-    usable.then(|| homography / scale)
+    let homography = homography / homography[(2, 2)];
+    // one line of points in the image is a plane seen from the side
+    let usable = homography.iter().all(|v| v.is_finite()) && homography.try_inverse().is_some();
+    usable.then_some(homography)
+}
+
+/// The right singular vector of the smallest singular value of a matrix with at least as many rows as columns less
+/// one; `None` where the second smallest is below `tolerance` of the largest, so that it is not the only one.
+pub(crate) fn null_vector(rows: &DMatrix<f64>, tolerance: f64) -> Option<Vec<f64>> {
+    let normal = (rows.transpose() * rows).symmetric_eigen();
+    let mut order: Vec<usize> = (0..normal.eigenvalues.len()).collect();
+    order.sort_by(|a, b| normal.eigenvalues[*a].total_cmp(&normal.eigenvalues[*b]));
+    let (least, next, largest) = (*order.first()?, *order.get(1)?, *order.last()?);
+    let unique = normal.eigenvalues[next] > tolerance * tolerance * normal.eigenvalues[largest];
+    unique.then(|| normal.eigenvectors.column(least).iter().copied().collect())
 }
 
 /// Where a plane point lands, px.
-pub(super) fn apply(homography: &Matrix3<f64>, point: Point2<f64>) -> Option<Point2<f64>> {
+pub(crate) fn apply(homography: &Matrix3<f64>, point: Point2<f64>) -> Option<Point2<f64>> {
     let p: Vector3<f64> = homography * point.to_homogeneous();
     let image = Point2::new(p.x / p.z, p.y / p.z);
     (image.x.is_finite() && image.y.is_finite()).then_some(image)

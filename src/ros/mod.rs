@@ -8,18 +8,19 @@
 //!
 //! With DDS: `start` joins the `network` and leaves it again on `shutdown`; `node` serves topics and services
 //! (`publishers`, `parameter_services`, `qos`); `worker` looks at the frames on a thread of its own; `logging` goes to
-//! stderr and /rosout.
+//! stderr and /rosout. `client` is the other side: a camera and its user.
 
 pub mod arguments;
 mod calibrator;
 mod camera_info;
+pub mod client;
 pub mod declarations;
 mod inbox;
 mod job;
 mod logging;
 pub mod messages;
 pub mod names;
-mod network;
+pub mod network;
 mod node;
 mod parameter_services;
 mod parameter_store;

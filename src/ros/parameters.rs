@@ -212,8 +212,11 @@ mod tests {
         let text = include_str!("../../config/ringcal.yaml");
         overrides.add_file(text).unwrap();
         let mut found = overrides.of_node("/any/ringcal");
+        // an empty board_file would undo one that was given before the file
+        assert!(text.contains("# board_file: "));
         let mut expected: Vec<_> = declarations()
             .into_iter()
+            .filter(|d| d.name != "board_file")
             .map(|d| (d.name.to_owned(), d.default))
             .collect();
         expected.push(("use_sim_time".to_owned(), ParameterValue::Boolean(false)));

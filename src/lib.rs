@@ -17,4 +17,3 @@ pub mod ros;
 pub mod session;
 pub mod simulate;
 pub mod source;
-pub mod simulate;

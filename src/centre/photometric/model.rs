@@ -1,0 +1,99 @@
+//! The grey values of a blurred ring: levels of paper, ring and inner disc, blur, and linear shading across the window.
+//!
+//! `I = (paper + (ring - paper) B_1 + (inside - ring) B_r) (1 + s . (x - x0) / w)`: B_1 and B_r are the blurred coverages of the
+//! outer and the inner circle (`coverage`), s the shading over the window's width w, x0 the window's middle.
+
+use super::coverage::{COVERAGE_PARAMETERS, Coverage};
+use super::shape::{SHAPE_PARAMETERS, Shape};
+use super::window::Grid;
+use nalgebra::{SMatrix, SVector};
+
+/// All parameters: shape (7), blur (1), levels (3), shading (2).
+pub(super) const PARAMETERS: usize = COVERAGE_PARAMETERS + 5;
+const PAPER: usize = COVERAGE_PARAMETERS;
+const RING: usize = PAPER + 1;
+const INSIDE: usize = PAPER + 2;
+const SHADING: usize = PAPER + 3;
+
+/// Everything the grey values of one window depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RingModel {
+    /// Where the ring is and how it is tilted.
+    pub shape: Shape,
+    /// Blur, px: standard deviation of the Gaussian.
+    pub sigma_px: f64,
+    /// Grey of the paper around the ring, 0..1.
+    pub paper: f64,
+    /// Grey of the ring.
+    pub ring: f64,
+    /// Grey of the inner disc.
+    pub inside: f64,
+    /// Relative change of the light over the window's width, across and down.
+    pub shading: [f64; 2],
+}
+
+pub(super) type Vector = SVector<f64, PARAMETERS>;
+pub(super) type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
+
+impl RingModel {
+    pub(super) fn parameters(&self) -> Vector {
+        let mut p = Vector::zeros();
+        p.as_mut_slice()[..SHAPE_PARAMETERS].copy_from_slice(&self.shape.parameters());
+        p[SHAPE_PARAMETERS] = self.sigma_px;
+        p[PAPER] = self.paper;
+        p[RING] = self.ring;
+        p[INSIDE] = self.inside;
+        p[SHADING] = self.shading[0];
+        p[SHADING + 1] = self.shading[1];
+        p
+    }
+
+    pub(super) fn from_parameters(p: &Vector) -> Self {
+        let mut shape = [0.0; SHAPE_PARAMETERS];
+        shape.copy_from_slice(&p.as_slice()[..SHAPE_PARAMETERS]);
+        Self {
+            shape: Shape::from_parameters(&shape),
+            sigma_px: p[SHAPE_PARAMETERS],
+            paper: p[PAPER],
+            ring: p[RING],
+            inside: p[INSIDE],
+            shading: [p[SHADING], p[SHADING + 1]],
+        }
+    }
+
+    /// Calls `visit` with the grey value of every pixel and its derivatives, row by row; `None` where the shape is no ring.
+    pub(super) fn for_each_pixel(
+        &self,
+        grid: &Grid,
+        ratio: f64,
+        mut visit: impl FnMut(usize, f64, &Vector),
+    ) -> Option<()> {
+        let outer = Coverage::gaussian(grid, &self.shape, 1.0, self.sigma_px)?;
+        let inner = Coverage::gaussian(grid, &self.shape, ratio, self.sigma_px)?;
+        let (dark, light) = (self.ring - self.paper, self.inside - self.ring);
+        let width_px = grid.width as f64 * grid.pixel_px;
+        let mut derivatives = Vector::zeros();
+        for row in 0..grid.height {
+            let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) * grid.pixel_px / width_px;
+            for column in 0..grid.width {
+                let u =
+                    (column as f64 - 0.5 * (grid.width as f64 - 1.0)) * grid.pixel_px / width_px;
+                let i = row * grid.width + column;
+                let shade = 1.0 + self.shading[0] * u + self.shading[1] * v;
+                let (b1, br) = (outer.values[i], inner.values[i]);
+                let flat = self.paper + dark * b1 + light * br;
+                for k in 0..COVERAGE_PARAMETERS {
+                    let change = dark * outer.derivatives[k][i] + light * inner.derivatives[k][i];
+                    derivatives[k] = shade * change;
+                }
+                derivatives[PAPER] = shade * (1.0 - b1);
+                derivatives[RING] = shade * (b1 - br);
+                derivatives[INSIDE] = shade * br;
+                derivatives[SHADING] = flat * u;
+                derivatives[SHADING + 1] = flat * v;
+                visit(i, flat * shade, &derivatives);
+            }
+        }
+        Some(())
+    }
+}

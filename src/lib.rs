@@ -34,7 +34,7 @@
 //! | the way of the data | [`frame`] | bytes of a message or a file | [`Frame`](frame::Frame): grey, 8 or 16 bit |
 //! | | [`enhance`] | `Frame` | the frame with its edges sharpened (paper III-A), to look at |
 //! | | [`detect`] | `Frame`, [`Board`](board::Board) | [`Detection`](detect::Detection): every ring with row, column and centre |
-//! | | [`centre`] | the two ellipses of a ring | its projected centre, by one of five estimators (paper III-C) |
+//! | | [`centre`] | a ring's two ellipses, or its pixels | its projected centre, by one of six estimators (paper III-C) |
 //! | | [`session`] | `Detection` after `Detection` | the [`View`](session::View)s worth keeping, coverage, what to show next |
 //! | | [`calibrate`](mod@calibrate) | `View`s | [`Calibration`](calibrate::Calibration): camera, poses, residuals, covariance |
 //! | what it speaks of | [`board`], [`camera`] | | the print; pinhole, lens, pose, homography |

@@ -1,6 +1,6 @@
 //! Maximum likelihood of the ring model on a window: Levenberg-Marquardt with analytic derivatives.
 
-use super::model::{Matrix, PARAMETERS, RingModel, Vector};
+use super::model::{Circles, Matrix, PARAMETERS, RingModel, Vector};
 use super::window::Window;
 use nalgebra::Matrix2;
 
@@ -50,11 +50,11 @@ struct Normal {
 }
 
 impl Normal {
-    fn at(window: &Window, model: &RingModel, ratio: f64) -> Option<Self> {
+    fn at(window: &Window, model: &RingModel, ratio: f64, circles: &mut Circles) -> Option<Self> {
         let mut squares = 0.0;
         let mut gradient = Vector::zeros();
         let mut matrix = Matrix::zeros();
-        model.for_each_pixel(&window.grid, ratio, |i, grey, derivatives| {
+        model.for_each_pixel(&window.grid, ratio, circles, |i, grey, derivatives| {
             if window.weights[i] > 0.0 {
                 let residual = window.values[i] - grey;
                 squares += residual * residual;
@@ -95,41 +95,41 @@ pub fn fit(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted,
         return Err(FitError::TooFewPixels { pixels });
     }
     let mut parameters = start.parameters();
-    let mut normal = Normal::at(window, start, ratio).ok_or(FitError::Undetermined)?;
+    let mut circles = Circles::default();
+    let mut normal =
+        Normal::at(window, start, ratio, &mut circles).ok_or(FitError::Undetermined)?;
     let mut damping = DAMPING.0;
     for _ in 0..STEPS {
         let step = normal.step(damping).ok_or(FitError::Undetermined)?;
         let expected = step.dot(&normal.gradient);
         if expected < CONVERGED * normal.squares.max(f64::MIN_POSITIVE) && damping < 1.0 {
-            return finish(window, &parameters, &normal, pixels);
+            return finish(start.with_parameters(&parameters), &normal, pixels);
         }
         let mut moved = parameters + step;
         // the blur enters by its square: its sign says nothing
         moved[super::shape::SHAPE_PARAMETERS] = moved[super::shape::SHAPE_PARAMETERS].abs();
-        match Normal::at(window, &RingModel::from_parameters(&moved), ratio) {
+        let model = start.with_parameters(&moved);
+        match Normal::at(window, &model, ratio, &mut circles) {
             Some(next) if next.squares < normal.squares => {
                 parameters = moved;
                 normal = next;
                 damping *= DAMPING.1;
             }
-            _ if damping > 1e8 => return finish(window, &parameters, &normal, pixels),
+            _ if damping > 1e8 => {
+                return finish(start.with_parameters(&parameters), &normal, pixels);
+            }
             _ => damping *= DAMPING.2,
         }
     }
     Err(FitError::NotConverged { steps: STEPS })
 }
 
-fn finish(
-    _window: &Window,
-    parameters: &Vector,
-    normal: &Normal,
-    pixels: usize,
-) -> Result<RingFitted, FitError> {
+fn finish(model: RingModel, normal: &Normal, pixels: usize) -> Result<RingFitted, FitError> {
     let variance = normal.squares / (pixels - PARAMETERS) as f64;
     let inverse = normal.matrix.try_inverse().ok_or(FitError::Undetermined)?;
     let covariance = inverse.fixed_view::<2, 2>(0, 0) * variance;
     Ok(RingFitted {
-        model: RingModel::from_parameters(parameters),
+        model,
         covariance,
         noise: variance.sqrt(),
     })

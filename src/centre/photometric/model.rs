@@ -3,7 +3,8 @@
 //! `I = (paper + (ring - paper) B_1 + (inside - ring) B_r) (1 + s . (x - x0) / w)`: B_1 and B_r are the blurred coverages of the
 //! outer and the inner circle (`coverage`), s the shading over the window's width w, x0 the window's middle.
 
-use super::coverage::{COVERAGE_PARAMETERS, Coverage};
+use super::blur::Blur;
+use super::coverage::{COVERAGE_PARAMETERS, WithDerivatives};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
 use nalgebra::{SMatrix, SVector};
@@ -20,8 +21,8 @@ const SHADING: usize = PAPER + 3;
 pub struct RingModel {
     /// Where the ring is and how it is tilted.
     pub shape: Shape,
-    /// Blur, px: standard deviation of the Gaussian.
-    pub sigma_px: f64,
+    /// Blur.
+    pub blur: Blur,
     /// Grey of the paper around the ring, 0..1.
     pub paper: f64,
     /// Grey of the ring.
@@ -35,11 +36,18 @@ pub struct RingModel {
 pub(super) type Vector = SVector<f64, PARAMETERS>;
 pub(super) type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
+/// Room for the coverages of both circles, to be used again and again.
+#[derive(Debug, Default)]
+pub(super) struct Circles {
+    outer: WithDerivatives,
+    inner: WithDerivatives,
+}
+
 impl RingModel {
     pub(super) fn parameters(&self) -> Vector {
         let mut p = Vector::zeros();
         p.as_mut_slice()[..SHAPE_PARAMETERS].copy_from_slice(&self.shape.parameters());
-        p[SHAPE_PARAMETERS] = self.sigma_px;
+        p[SHAPE_PARAMETERS] = self.blur.size_px;
         p[PAPER] = self.paper;
         p[RING] = self.ring;
         p[INSIDE] = self.inside;
@@ -48,12 +56,16 @@ impl RingModel {
         p
     }
 
-    pub(super) fn from_parameters(p: &Vector) -> Self {
+    /// This model with other parameters; what kind of blur it has stays.
+    pub(super) fn with_parameters(&self, p: &Vector) -> Self {
         let mut shape = [0.0; SHAPE_PARAMETERS];
         shape.copy_from_slice(&p.as_slice()[..SHAPE_PARAMETERS]);
         Self {
             shape: Shape::from_parameters(&shape),
-            sigma_px: p[SHAPE_PARAMETERS],
+            blur: Blur {
+                size_px: p[SHAPE_PARAMETERS],
+                ..self.blur
+            },
             paper: p[PAPER],
             ring: p[RING],
             inside: p[INSIDE],
@@ -66,10 +78,12 @@ impl RingModel {
         &self,
         grid: &Grid,
         ratio: f64,
+        circles: &mut Circles,
         mut visit: impl FnMut(usize, f64, &Vector),
     ) -> Option<()> {
-        let outer = Coverage::gaussian(grid, &self.shape, 1.0, self.sigma_px)?;
-        let inner = Coverage::gaussian(grid, &self.shape, ratio, self.sigma_px)?;
+        let Circles { outer, inner } = circles;
+        outer.fill(grid, &self.shape, 1.0, &self.blur)?;
+        inner.fill(grid, &self.shape, ratio, &self.blur)?;
         let (dark, light) = (self.ring - self.paper, self.inside - self.ring);
         let width_px = grid.width as f64 * grid.pixel_px;
         let mut derivatives = Vector::zeros();
@@ -80,11 +94,11 @@ impl RingModel {
                     (column as f64 - 0.5 * (grid.width as f64 - 1.0)) * grid.pixel_px / width_px;
                 let i = row * grid.width + column;
                 let shade = 1.0 + self.shading[0] * u + self.shading[1] * v;
-                let (b1, br) = (outer.values[i], inner.values[i]);
+                let (b1, br) = (outer.value(i), inner.value(i));
                 let flat = self.paper + dark * b1 + light * br;
+                let (d1, dr) = (outer.derivatives(i), inner.derivatives(i));
                 for k in 0..COVERAGE_PARAMETERS {
-                    let change = dark * outer.derivatives[k][i] + light * inner.derivatives[k][i];
-                    derivatives[k] = shade * change;
+                    derivatives[k] = shade * (dark * d1[k] + light * dr[k]);
                 }
                 derivatives[PAPER] = shade * (1.0 - b1);
                 derivatives[RING] = shade * (b1 - br);

@@ -1,6 +1,7 @@
 //! Where a fit starts: the window, and of a few blurs and sizes the one whose grey levels explain it best.
 
-use super::coverage::Coverage;
+use super::blur::Blur;
+use super::coverage::Values;
 use super::model::RingModel;
 use super::shape::Shape;
 use super::window::{Rectangle, Window};
@@ -76,11 +77,14 @@ pub fn start(
 
 /// Least-squares grey levels for a shape and a blur, and the sum of squares they leave.
 fn levels(window: &Window, shape: &Shape, sigma_px: f64, ratio: f64) -> Option<(f64, RingModel)> {
-    let outer = Coverage::gaussian(&window.grid, shape, 1.0, sigma_px)?.values;
-    let inner = Coverage::gaussian(&window.grid, shape, ratio, sigma_px)?.values;
+    let blur = Blur::gaussian(sigma_px);
+    let (mut outer, mut inner) = (Values::default(), Values::default());
+    outer.fill(&window.grid, shape, 1.0, &blur)?;
+    inner.fill(&window.grid, shape, ratio, &blur)?;
     let (mut normal, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-    for (i, (&b1, &br)) in outer.iter().zip(&inner).enumerate() {
+    for i in 0..window.values.len() {
         if window.weights[i] > 0.0 {
+            let (b1, br) = (outer.value(i), inner.value(i));
             let row = Vector3::new(1.0 - b1, b1 - br, br);
             normal += row * row.transpose();
             right += row * window.values[i];
@@ -90,7 +94,7 @@ fn levels(window: &Window, shape: &Shape, sigma_px: f64, ratio: f64) -> Option<(
     let levels = normal.cholesky()?.solve(&right);
     let model = RingModel {
         shape: *shape,
-        sigma_px,
+        blur,
         paper: levels.x,
         ring: levels.y,
         inside: levels.z,

@@ -5,7 +5,7 @@
 //! the same for all pixels beyond an end is noted once and summed along the rows at the end.
 
 use super::blur::{Blur, Psf};
-use super::outline::{MOMENTS, Outline};
+use super::outline::{MOMENTS, Outline, TRANSPOSED};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
 use super::{disc, gaussian};
@@ -33,6 +33,8 @@ pub(super) struct Coverage<const N: usize> {
     /// Derivatives by the shape's parameters from the moments.
     derivatives: [[f64; MOMENTS]; SHAPE_PARAMETERS],
     width: usize,
+    /// Room for a kernel's second pass.
+    spare: Option<Box<Self>>,
 }
 
 impl<const N: usize> Coverage<N> {
@@ -54,7 +56,8 @@ impl<const N: usize> Coverage<N> {
         Some(())
     }
 
-    fn clear(&mut self, grid: &Grid) {
+    /// Makes it zero over a window.
+    pub(super) fn clear(&mut self, grid: &Grid) {
         self.width = grid.width;
         self.cells.clear();
         self.cells.resize(grid.width * grid.height, [0.0; N]);
@@ -82,6 +85,32 @@ impl<const N: usize> Coverage<N> {
                 if N > 1 {
                     sum[1] += step[1];
                     cell[BLUR] += sum[1];
+                }
+            }
+        }
+    }
+
+    /// A coverage to work with, whatever is in it; [`Self::keep_spare`] brings it back.
+    pub(super) fn take_spare(&mut self) -> Box<Self> {
+        self.spare.take().unwrap_or_default()
+    }
+
+    /// Keeps the room of a coverage for later.
+    pub(super) fn keep_spare(&mut self, spare: Box<Self>) {
+        self.spare = Some(spare);
+    }
+
+    /// Takes the pixels of which `wanted` says yes (row, column) from the coverage of the transposed window.
+    pub(super) fn take_transposed(&mut self, other: &Self, wanted: impl Fn(usize, usize) -> bool) {
+        for (row, cells) in self.cells.chunks_exact_mut(self.width.max(1)).enumerate() {
+            for (column, cell) in cells.iter_mut().enumerate() {
+                if wanted(row, column) {
+                    *cell = other.cells[column * other.width + row];
+                    if N > 1 {
+                        let moments: [f64; MOMENTS] =
+                            std::array::from_fn(|k| cell[OUTLINE + TRANSPOSED[k]]);
+                        cell[OUTLINE..].copy_from_slice(&moments);
+                    }
                 }
             }
         }

@@ -6,20 +6,25 @@
 //! `B(x, y) = 1 / (pi c^2) integral dv (L(x; l(v), s) - L(x; r(v), s))`, L the rounded ramp; what is left is the integral over v and the mean over the
 //! pixel's height:
 //!
+//! Where the outline lies flat this is a bad way: as v moves on, the ends of its chords leap from pixel to pixel. So pixels
+//! above and below the ellipse's bounding diagonals are done with x and y exchanged (`Wedge`).
+//!
 //! - v runs where both chords are: each ends like a square root, for which Chebyshev's nodes are made.
-//! - y is split where the disc begins or ceases to touch the outline's top or bottom from outside or inside: there the coverage is not smooth.
-//!   Between, Gauss-Legendre.
+//! - y is split where the disc touches the outline's top or bottom from outside or inside: there the coverage is not
+//!   smooth. Between, Gauss-Legendre.
+//!
+//! Measured against the simulator: right within 1e-4 at 0.5 to 40 px, up to 2e-4 where the radius is 1.5 px.
 
 use super::coverage::{BLUR, Coverage, Row, VALUE, add_moments};
 use super::outline::{End, Outline};
 use super::window::Grid;
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// From this radius down (px of the window) the disc shrinks no more: the pixel's own box rules there.
 const LEAST_RADIUS: f64 = 0.25;
-/// Nodes over the height of the disc, for each pixel of its radius, and bounds.
-const NODES_PER_PIXEL: f64 = 5.0;
-const NODES: (f64, f64) = (10.0, 48.0);
+/// Nodes over the height of the disc: so many, so many more for each pixel of its radius, and this at most.
+const NODES: (f64, f64, f64) = (12.0, 4.5, 64.0);
 /// A Gauss-Legendre rule spans at most this much height, in radii of the disc.
 const PANEL: f64 = 0.75;
 /// Gauss-Legendre on [-1, 1], three nodes: places and weights over two.
@@ -37,24 +42,94 @@ pub(super) fn cover<const N: usize>(
     radius_px: f64,
 ) {
     let (radius, growth) = effective_radius(radius_px, LEAST_RADIUS * grid.pixel_px);
-    let disc = Disc::new(grid, radius);
-    let (top, bottom) = outline.rows();
-    let breaks = [top - radius, top + radius, bottom - radius, bottom + radius];
-    let half = 0.5 * grid.pixel_px;
-    for index in grid.rows_within(top - radius - half, bottom + radius + half) {
-        let y = grid.y(index);
-        let mut row = out.row(index);
-        for_each_height((y - half, y + half), &breaks, radius, |y, share| {
-            disc.add(&mut row, grid, outline, y, share);
-        });
-    }
-    out.sum_steps();
+    let (lying, lying_outline) = (grid.transposed(), outline.transposed());
+    let wedge = Wedge::new(outline.rows(), lying_outline.rows());
+    sweep(out, grid, outline, radius, &wedge);
+    let mut other = out.take_spare();
+    other.clear(&lying);
+    sweep(
+        &mut other,
+        &lying,
+        &lying_outline,
+        radius,
+        &wedge.transposed(),
+    );
+    out.take_transposed(&other, |row, column| {
+        wedge.contains(grid.x(column), grid.y(row))
+    });
+    out.keep_spare(other);
     if N > 1 {
         // B = A / (pi c^2): the derivative of A is there, that of the divisor is not
         for cell in out.cells_mut() {
             cell[BLUR] = growth * (cell[BLUR] - 2.0 / radius * cell[VALUE]);
         }
     }
+}
+
+/// Adds the coverage of the pixels outside the wedge; what is inside it is left wrong.
+fn sweep<const N: usize>(
+    out: &mut Coverage<N>,
+    grid: &Grid,
+    outline: &Outline,
+    radius: f64,
+    wedge: &Wedge,
+) {
+    let disc = Disc::new(grid, radius);
+    let (top, bottom) = outline.rows();
+    let breaks = [top - radius, top + radius, bottom - radius, bottom + radius];
+    let half = 0.5 * grid.pixel_px;
+    for index in grid.rows_within(top - radius - half, bottom + radius + half) {
+        let y = grid.y(index);
+        let mut row = SweptRow {
+            row: out.row(index),
+            skipped: wedge.columns(grid, y),
+        };
+        for_each_height((y - half, y + half), &breaks, radius, |y, share| {
+            disc.add(&mut row, grid, outline, y, share);
+        });
+    }
+    out.sum_steps();
+}
+
+/// The places from which an ellipse's top and bottom are seen, between the diagonals of its bounding box.
+struct Wedge {
+    middle: [f64; 2],
+    half: [f64; 2],
+}
+
+impl Wedge {
+    /// From the first and last y and x of the ellipse.
+    fn new((top, bottom): (f64, f64), (left, right): (f64, f64)) -> Self {
+        Self {
+            middle: [0.5 * (left + right), 0.5 * (top + bottom)],
+            half: [0.5 * (right - left), 0.5 * (bottom - top)],
+        }
+    }
+
+    /// The places from which its sides are seen, x and y exchanged.
+    fn transposed(&self) -> Self {
+        let ([x, y], [w, h]) = (self.middle, self.half);
+        Self {
+            middle: [y, x],
+            half: [h, w],
+        }
+    }
+
+    fn contains(&self, x: f64, y: f64) -> bool {
+        (x - self.middle[0]).abs() * self.half[1] < (y - self.middle[1]).abs() * self.half[0]
+    }
+
+    /// Columns of a row that are well inside.
+    fn columns(&self, grid: &Grid, y: f64) -> Range<usize> {
+        let reach = (y - self.middle[1]).abs() * self.half[0] / self.half[1] - 0.5 * grid.pixel_px;
+        grid.columns_within(self.middle[0] - reach, self.middle[0] + reach)
+    }
+}
+
+/// A row of which the columns inside the wedge are not wanted.
+struct SweptRow<'a, const N: usize> {
+    row: Row<'a, N>,
+    skipped: Range<usize>,
 }
 
 /// The radius to compute with, and its derivative: the radius itself from twice the least on, below it a parabola that meets it
@@ -105,7 +180,7 @@ struct Disc {
 
 impl Disc {
     fn new(grid: &Grid, radius: f64) -> Self {
-        let count = (NODES_PER_PIXEL * radius / grid.pixel_px).clamp(NODES.0, NODES.1) as usize;
+        let count = (NODES.0 + NODES.1 * radius / grid.pixel_px).min(NODES.2) as usize;
         let angle = |j: usize| PI * (j as f64 + 0.5) / count as f64;
         Self {
             radius,
@@ -118,7 +193,7 @@ impl Disc {
     /// Adds `share` of what a disc at height `y` sees to a row.
     fn add<const N: usize>(
         &self,
-        row: &mut Row<'_, N>,
+        row: &mut SweptRow<'_, N>,
         grid: &Grid,
         outline: &Outline,
         y: f64,
@@ -159,14 +234,19 @@ struct Span {
 
 impl Span {
     /// Adds what the end of a chord of the outline does to a row: overlap on its right, none on its left.
-    fn add<const N: usize>(&self, row: &mut Row<'_, N>, grid: &Grid, end: &End, sign: f64) {
+    fn add<const N: usize>(&self, row: &mut SweptRow<'_, N>, grid: &Grid, end: &End, sign: f64) {
         let pixel = grid.pixel_px;
         let reach = self.half_width + 0.5 * pixel;
         let columns = grid.columns_within(end.x - reach, end.x + reach);
         let signed = sign * self.weight;
-        let past = columns.end;
-        let mut z = grid.x(columns.start) - end.x;
-        for cell in &mut row.cells[columns] {
+        let (skipped, row) = (&row.skipped, &mut row.row);
+        row.steps[columns.end][0] += signed * 2.0 * self.half_width;
+        row.steps[columns.end][1] += signed * 2.0 * self.growth;
+        let before = columns.start..columns.end.min(skipped.start);
+        let after = columns.start.max(skipped.end)..columns.end;
+        for column in before.chain(after) {
+            let z = grid.x(column) - end.x;
+            let cell = &mut row.cells[column];
             let enters = Ramp::at(z + self.half_width, pixel);
             let leaves = Ramp::at(z - self.half_width, pixel);
             cell[VALUE] += signed * (enters.value - leaves.value);
@@ -175,10 +255,7 @@ impl Span {
                 let share = self.weight * (enters.slope - leaves.slope);
                 add_moments(cell, share, &end.moments);
             }
-            z += pixel;
         }
-        row.steps[past][0] += signed * 2.0 * self.half_width;
-        row.steps[past][1] += signed * 2.0 * self.growth;
     }
 }
 

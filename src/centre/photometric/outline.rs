@@ -8,6 +8,8 @@ use nalgebra::Point2;
 
 /// Monomials of a place x, y about the projected centre: 1, x, y, x^2, xy, y^2.
 pub(super) const MOMENTS: usize = 6;
+/// Where each monomial is found when x and y are exchanged.
+pub(super) const TRANSPOSED: [usize; MOMENTS] = [0, 2, 1, 5, 4, 3];
 
 /// The image of one circle; an ellipse.
 #[derive(Debug, Clone, Copy)]
@@ -21,6 +23,7 @@ pub(super) struct Outline {
     square: f64,
     perspective: [f64; 2],
     rows: (f64, f64),
+    columns: (f64, f64),
 }
 
 /// One end of a chord.
@@ -43,7 +46,22 @@ impl Outline {
             square: radius * radius,
             perspective: [shape.perspective.x, shape.perspective.y],
             rows: shape.rows(radius)?,
+            columns: shape.transposed().rows(radius)?,
         })
+    }
+
+    /// The outline with x and y exchanged.
+    pub(super) fn transposed(&self) -> Self {
+        let ([xx, xy, yy], [lx, ly], [qx, qy]) = (self.matrix, self.vector, self.perspective);
+        Self {
+            centre: Point2::new(self.centre.y, self.centre.x),
+            matrix: [yy, xy, xx],
+            vector: [ly, lx],
+            square: self.square,
+            perspective: [qy, qx],
+            rows: self.columns,
+            columns: self.rows,
+        }
     }
 
     /// First and last y, px.

@@ -77,6 +77,16 @@ impl Shape {
         })
     }
 
+    /// The shape with x and y exchanged.
+    pub(super) fn transposed(&self) -> Self {
+        let ([xx, xy, yy], q) = (self.affine, self.perspective);
+        Self {
+            centre: Point2::new(self.centre.y, self.centre.x),
+            affine: [yy, xy, xx],
+            perspective: Vector2::new(q.y, q.x),
+        }
+    }
+
     /// First and last y of a circle's image, px; `None` where it is no ellipse.
     pub(super) fn rows(&self, radius: f64) -> Option<(f64, f64)> {
         let (m, l) = self.quadric(radius);

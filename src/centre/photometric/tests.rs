@@ -74,7 +74,9 @@ fn true_shape(scene: &Scene) -> Shape {
     ]);
     let centre = camera * scene.pose.translation_m;
     let back = (camera * plane).try_inverse().unwrap() * centre.z;
-    let square = back.fixed_view::<2, 2>(0, 0).tr_mul(&back.fixed_view::<2, 2>(0, 0));
+    let square = back
+        .fixed_view::<2, 2>(0, 0)
+        .tr_mul(&back.fixed_view::<2, 2>(0, 0));
     Shape {
         centre: Point2::new(centre.x / centre.z, centre.y / centre.z),
         affine: [square[(0, 0)], square[(0, 1)], square[(1, 1)]],
@@ -107,18 +109,117 @@ fn worst_error(outer_px: f64, size: u32, blur: &Blur, bin: usize) -> f64 {
 }
 
 #[test]
-fn scan() {
-    for (outer, size, c, bin) in [
-        (22.0, 80, 0.5, 1), (22.0, 80, 0.7, 1), (22.0, 80, 1.0, 1), (22.0, 80, 1.5, 1), (22.0, 80, 2.0, 1), (22.0, 80, 3.0, 1), (22.0, 80, 4.0, 1), (22.0, 80, 8.0, 2), (22.0, 80, 8.0, 1), (22.0, 90, 11.0, 2),(22.0, 90, 13.0, 3),
-        (22.0, 110, 20.0, 5), (22.0, 110, 20.0, 1),
-        (100.0, 300, 0.5, 1),
-        (100.0, 300, 5.0, 1), (100.0, 300, 10.0, 2), (100.0, 300, 20.0, 5), (100.0, 320, 40.0, 10), (100.0, 320, 40.0, 5),(100.0, 320, 40.0, 1), (200.0, 500, 10.0, 2),
+fn coverages_agree_with_the_simulator() {
+    for (outer_px, size, blur, bin) in [
+        (22.0, 80, Blur::gaussian(0.5), 1),
+        (22.0, 80, Blur::gaussian(4.0), 2),
+        (22.0, 80, Blur::disc(0.5), 1),
+        (22.0, 80, Blur::disc(1.0), 1),
+        (22.0, 80, Blur::disc(2.0), 1),
+        (22.0, 80, Blur::disc(4.0), 1),
+        (22.0, 90, Blur::disc(8.0), 2),
+        // contrast inverted, and a disc larger than the inner ellipse
+        (22.0, 90, Blur::disc(13.0), 3),
+        (22.0, 110, Blur::disc(20.0), 5),
+        (100.0, 300, Blur::disc(20.0), 5),
+        (100.0, 320, Blur::disc(40.0), 10),
     ] {
-        let t = std::time::Instant::now();
-        let e = worst_error(outer, size, &Blur::disc(c), bin);
-        println!("{outer} {c} {bin}: {e:.2e} {:?}", t.elapsed());
+        let error = worst_error(outer_px, size, &blur, bin);
+        assert!(error < 1e-4, "{outer_px} {blur:?}: {error:.2e}");
     }
-    for (outer, size, c, bin) in [(22.0, 80, 0.5, 1), (22.0, 80, 4.0, 2)] {
-        println!("gauss {c} {:.2e}", worst_error(outer, size, &Blur::gaussian(c), bin));
+}
+
+#[test]
+fn the_sum_is_the_ellipse_s_area_and_the_first_moment_its_centre() {
+    let shape = Shape::from_parameters(&SHAPE);
+    let ellipse = shape.ellipse(1.0).unwrap();
+    let area = std::f64::consts::PI * ellipse.major * ellipse.minor;
+    let grid = grid(1.0, 64.0);
+    for (psf, sigma, tolerance) in [
+        (Psf::Gaussian, 0.0, 3e-3),
+        (Psf::Gaussian, 0.5, 1e-6),
+        (Psf::Gaussian, 3.0, 1e-6),
+        (Psf::Disc, 0.0, 1e-4),
+        (Psf::Disc, 0.1, 1e-4),
+        (Psf::Disc, 0.5, 1e-5),
+        (Psf::Disc, 3.0, 1e-5),
+    ] {
+        let covered = values(&grid, &shape, 1.0, &Blur::of_sigma(psf, sigma));
+        let sum: f64 = covered.iter().sum();
+        let across = covered.iter().enumerate().map(|(i, v)| (i % 64) as f64 * v);
+        let down = covered.iter().enumerate().map(|(i, v)| (i / 64) as f64 * v);
+        let mean = Point2::new(across.sum::<f64>() / sum, down.sum::<f64>() / sum);
+        let error = (sum / area - 1.0).abs();
+        assert!(error < tolerance, "{psf:?} {sigma}: {error:.2e}");
+        let error = (mean - ellipse.centre).norm();
+        assert!(error < 10.0 * tolerance, "{psf:?} {sigma}: {error:.2e}");
+    }
+}
+
+/// The coverage with one of shape and blur moved.
+fn moved(grid: &Grid, blur: &Blur, k: usize, by: f64) -> Vec<f64> {
+    let (mut p, mut blur) = (SHAPE, *blur);
+    match p.get_mut(k) {
+        Some(parameter) => *parameter += by,
+        None => blur.size_px += by,
+    }
+    values(grid, &Shape::from_parameters(&p), 1.0, &blur)
+}
+
+#[test]
+fn derivatives_agree_with_finite_differences() {
+    // the disc's are not smooth where it touches the outline: they are compared over more than a node's width
+    for (blur, step, tolerance) in [
+        (Blur::gaussian(0.8), 1e-5, 1e-4),
+        (Blur::gaussian(2.5), 1e-5, 1e-4),
+        (Blur::disc(0.3), 3e-3, 2e-2),
+        (Blur::disc(1.0), 3e-3, 2e-2),
+        (Blur::disc(3.0), 3e-3, 1e-2),
+        (Blur::disc(9.0), 3e-3, 1e-2),
+    ] {
+        let grid = grid(1.0, 64.0);
+        let mut coverage = WithDerivatives::default();
+        let shape = Shape::from_parameters(&SHAPE);
+        coverage.fill(&grid, &shape, 1.0, &blur).unwrap();
+        for k in 0..COVERAGE_PARAMETERS {
+            let h = step * SHAPE.get(k).map_or(blur.size_px, |p| p.abs());
+            let (up, down) = (moved(&grid, &blur, k, h), moved(&grid, &blur, k, -h));
+            let told: Vec<f64> = (0..up.len()).map(|i| coverage.derivatives(i)[k]).collect();
+            let largest = told.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+            for (i, told) in told.iter().enumerate() {
+                let slope = (up[i] - down[i]) / (2.0 * h);
+                let error = (slope - told).abs() / largest;
+                assert!(
+                    error < tolerance,
+                    "{blur:?} {k} {i}: {slope} {told} {error:.1e}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn any_disc_is_finite_and_small_ones_change_smoothly() {
+    let grid = grid(2.0, 64.0);
+    let mut before: Option<Vec<f64>> = None;
+    for step in 0..60 {
+        let mut coverage = WithDerivatives::default();
+        let blur = Blur::disc(0.03 * f64::from(step));
+        let shape = Shape::from_parameters(&SHAPE);
+        coverage.fill(&grid, &shape, 1.0, &blur).unwrap();
+        let now: Vec<f64> = (0..grid.width * grid.height)
+            .map(|i| coverage.value(i))
+            .collect();
+        let derivatives = (0..now.len()).flat_map(|i| coverage.derivatives(i));
+        assert!(derivatives.into_iter().all(f64::is_finite));
+        assert!(now.iter().all(|v| (-1e-3..1.001).contains(v)));
+        if let Some(before) = before {
+            let leap = before
+                .iter()
+                .zip(&now)
+                .fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(leap < 0.02, "{blur:?}: {leap}");
+        }
+        before = Some(now);
     }
 }

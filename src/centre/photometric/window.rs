@@ -29,6 +29,17 @@ impl Grid {
         self.top_px + row as f64 * self.pixel_px
     }
 
+    /// Rows and columns exchanged.
+    pub(super) fn transposed(&self) -> Self {
+        Self {
+            left_px: self.top_px,
+            top_px: self.left_px,
+            pixel_px: self.pixel_px,
+            width: self.height,
+            height: self.width,
+        }
+    }
+
     /// Rows whose centres lie between two heights, px of the frame.
     pub(super) fn rows_within(&self, first_px: f64, last_px: f64) -> Range<usize> {
         let place = |y: f64| (y - self.top_px) / self.pixel_px;

@@ -46,16 +46,19 @@ pub enum Estimator {
     Cross,
     /// The isolated eigenvector of the two conics.
     PolePolar,
+    /// Maximum likelihood of the blurred ring's grey values: looks at the pixels, not at edges.
+    Photometric,
 }
 
 impl Estimator {
     /// Every estimator, in the order of the documentation.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::BigEllipse,
         Self::SmallEllipse,
         Self::OneSided,
         Self::Cross,
         Self::PolePolar,
+        Self::Photometric,
     ];
 
     /// The name on the command line and in parameters.
@@ -66,18 +69,21 @@ impl Estimator {
             Self::OneSided => "one_sided",
             Self::Cross => "cross",
             Self::PolePolar => "pole_polar",
+            Self::Photometric => "photometric",
         }
     }
 
-    /// The construction itself, with its default settings.
-    pub fn build(self) -> Box<dyn CentreEstimator> {
-        match self {
+    /// The construction on ellipses, with its default settings; `None` for the photometric estimator, which needs the
+    /// frame (see [`super::photometric`]).
+    pub fn construction(self) -> Option<Box<dyn CentreEstimator>> {
+        Some(match self {
             Self::BigEllipse => Box::new(BigEllipse),
             Self::SmallEllipse => Box::new(SmallEllipse),
             Self::OneSided => Box::new(OneSided),
             Self::Cross => Box::new(Cross::default()),
             Self::PolePolar => Box::new(PolePolar),
-        }
+            Self::Photometric => return None,
+        })
     }
 }
 

@@ -26,7 +26,12 @@ fn tilted() -> Matrix3<f64> {
 }
 
 fn estimate(estimator: Estimator, ring: &RingEllipses) -> Point2<f64> {
-    estimator.build().estimate(ring).unwrap().point
+    estimator
+        .construction()
+        .unwrap()
+        .estimate(ring)
+        .unwrap()
+        .point
 }
 
 #[test]
@@ -49,7 +54,10 @@ fn three_constructions_find_the_projected_centre_and_two_do_not() {
 fn a_frontal_ring_has_its_centre_at_the_common_ellipse_centre() {
     let frontal = Matrix3::new(50.0, 5.0, 99.5, -5.0, 40.0, 80.25, 0.0, 0.0, 1.0);
     let (ring, truth) = ring_under(&frontal, 0.4).unwrap();
-    for estimator in Estimator::ALL {
+    for estimator in Estimator::ALL
+        .into_iter()
+        .filter(|e| e.construction().is_some())
+    {
         assert!(
             (estimate(estimator, &ring) - truth).norm() < 1e-6,
             "{}",
@@ -78,7 +86,7 @@ fn ellipses_that_are_not_nested_are_refused() {
     std::mem::swap(&mut ring.inner, &mut ring.outer);
     for estimator in [Estimator::Cross, Estimator::OneSided] {
         assert_eq!(
-            estimator.build().estimate(&ring),
+            estimator.construction().unwrap().estimate(&ring),
             Err(CentreError::NotNested)
         );
     }

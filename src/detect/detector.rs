@@ -1,14 +1,14 @@
 //! The detector: a board and how to look for it.
 
-use super::detection::{Detection, Indices, Miss, Ring};
+use super::centres::{board_homography, centres};
+use super::detection::{Detection, Indices, Miss};
 use super::grid::{Placed, find_grid};
 use super::ring_fit::RingFit;
 use super::rings::{add_drowned, find_rings};
 use crate::board::{Board, Polarity};
-use crate::camera::homography::fit_homography;
-use crate::centre::{Estimator, RingEllipses};
+use crate::centre::{Ellipse, Estimator, RingEllipses};
 use crate::frame::Frame;
-use nalgebra::{Matrix3, Point2};
+use nalgebra::Matrix3;
 
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -81,23 +81,14 @@ impl Detector {
         let ratio = self.board.radius_ratio();
         let rings = find_rings(frame, sign, ratio);
         if self.board.is_single() {
-            return self.single(frame, &rings);
+            return self.single(frame, rings, sign);
         }
         let placed = find_grid(frame, &self.board, &rings, sign).or_else(|_| {
             let all = add_drowned(frame, rings, sign, ratio);
             find_grid(frame, &self.board, &all, sign)
         })?;
-        let rings: Vec<Ring> = placed.iter().filter_map(|ring| self.ring(ring)).collect();
-        let pairs: Vec<_> = rings
-            .iter()
-            .map(|r| {
-                (
-                    Point2::from(self.board.centre_m(r.row, r.column)),
-                    r.centre.point,
-                )
-            })
-            .collect();
-        let homography = fit_homography(&pairs).ok_or(Miss::NoGrid {
+        let rings = centres(frame, &self.board, &placed, self.options.estimator, sign);
+        let homography = board_homography(&self.board, &rings).ok_or(Miss::NoGrid {
             found: rings.len(),
             rows: self.board.rows(),
             columns: self.board.columns(),
@@ -111,24 +102,38 @@ impl Detector {
         })
     }
 
-    /// The most conspicuous ring of the frame for a board of one.
-    fn single(&self, frame: &Frame, rings: &[RingFit]) -> Result<Detection, Miss> {
+    /// The most conspicuous ring of the frame for a board of one. Where its inner circle has drowned, it is drawn where the
+    /// board says.
+    fn single(&self, frame: &Frame, rings: Vec<RingFit>, sign: f64) -> Result<Detection, Miss> {
+        let ratio = self.board.radius_ratio();
+        let rings = if rings.is_empty() {
+            add_drowned(frame, rings, sign, ratio)
+        } else {
+            rings
+        };
         let size = |r: &RingFit| r.contrast * r.outer.major * r.outer.minor;
-        let ring = rings
+        let fit = rings
             .iter()
-            .filter_map(|fit| Some((fit, fit.inner?)))
-            .max_by(|a, b| size(a.0).total_cmp(&size(b.0)))
-            .and_then(|(fit, inner)| {
-                let outer = fit.outer;
-                self.ring(&Placed {
-                    row: 0,
-                    column: 0,
-                    ellipses: RingEllipses { inner, outer },
-                    blur_sigma_px: fit.blur_sigma_px,
-                })
-            })
+            .max_by(|a, b| size(a).total_cmp(&size(b)))
             .ok_or(Miss::NoRing)?;
-        let outer = &ring.ellipses.outer;
+        let outer = fit.outer;
+        let drowned = Ellipse {
+            major: ratio * outer.major,
+            minor: ratio * outer.minor,
+            ..outer
+        };
+        let placed = Placed {
+            row: 0,
+            column: 0,
+            ellipses: RingEllipses {
+                inner: fit.inner.unwrap_or(drowned),
+                outer,
+            },
+            blur_sigma_px: fit.blur_sigma_px,
+        };
+        let ring = centres(frame, &self.board, &[placed], self.options.estimator, sign)
+            .pop()
+            .ok_or(Miss::NoRing)?;
         let scale = (outer.major * outer.minor).sqrt() / self.board.outer_radius_m();
         let (x, y) = (ring.centre.point.x, ring.centre.point.y);
         Ok(Detection {
@@ -138,23 +143,5 @@ impl Detector {
             homography: Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0),
             rings: vec![ring],
         })
-    }
-
-    /// `None` where the ellipses have no projected centre, or the construction puts it outside the inner circle: blur has
-    /// then spoilt their shapes beyond what it bears.
-    fn ring(&self, placed: &Placed) -> Option<Ring> {
-        let estimator = self.options.estimator.build();
-        let centre = estimator.estimate(&placed.ellipses).ok()?;
-        placed
-            .ellipses
-            .inner
-            .contains(&centre.point)
-            .then_some(Ring {
-                row: placed.row,
-                column: placed.column,
-                centre,
-                ellipses: placed.ellipses,
-                blur_sigma_px: placed.blur_sigma_px,
-            })
     }
 }

@@ -3,6 +3,7 @@
 mod band_pass;
 mod blobs;
 mod candidates;
+mod centres;
 mod detection;
 mod detector;
 mod edges;

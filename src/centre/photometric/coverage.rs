@@ -128,17 +128,29 @@ impl<const N: usize> Coverage<N> {
 }
 
 impl WithDerivatives {
-    /// The derivatives of a pixel's coverage.
-    pub(super) fn derivatives(&self, pixel: usize) -> [f64; COVERAGE_PARAMETERS] {
+    /// Whether a pixel's coverage depends on anything: it sees a part of the outline.
+    pub(super) fn sees_outline(&self, pixel: usize) -> bool {
+        self.cells[pixel][OUTLINE] != 0.0
+    }
+
+    /// Adds the derivatives of a pixel's coverage times a factor.
+    pub(super) fn add_derivatives(
+        &self,
+        pixel: usize,
+        factor: f64,
+        sums: &mut [f64; COVERAGE_PARAMETERS],
+    ) {
         let cell = &self.cells[pixel];
-        let mut out = [0.0; COVERAGE_PARAMETERS];
-        for (derivative, factors) in out.iter_mut().zip(&self.derivatives) {
-            for (factor, moment) in factors.iter().zip(&cell[OUTLINE..]) {
-                *derivative += factor * moment;
+        if cell[OUTLINE] == 0.0 {
+            return;
+        }
+        let moments: [f64; MOMENTS] = std::array::from_fn(|k| factor * cell[OUTLINE + k]);
+        for (sum, factors) in sums.iter_mut().zip(&self.derivatives) {
+            for (factor, moment) in factors.iter().zip(&moments) {
+                *sum += factor * moment;
             }
         }
-        out[SHAPE_PARAMETERS] = cell[BLUR];
-        out
+        sums[SHAPE_PARAMETERS] += factor * cell[BLUR];
     }
 }
 

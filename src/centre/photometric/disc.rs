@@ -139,7 +139,7 @@ fn effective_radius(radius: f64, least: f64) -> (f64, f64) {
         (radius, 1.0)
     } else {
         let part = radius.max(0.0) / (2.0 * least);
-        (least * (1.0 + part * part), part.max(1e-2))
+        (least * (1.0 + part * part), part)
     }
 }
 

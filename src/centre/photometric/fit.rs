@@ -1,8 +1,9 @@
 //! Maximum likelihood of the ring model on a window: Levenberg-Marquardt with analytic derivatives.
 
-use super::model::{Circles, Matrix, PARAMETERS, RingModel, Vector};
+use super::model::{Circles, Matrix, PARAMETERS, PixelModel, RingModel, Vector};
+use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, SMatrix};
 
 /// Steps at most, accepted or not.
 const STEPS: usize = 40;
@@ -11,15 +12,35 @@ const CONVERGED: f64 = 1e-7;
 /// Damping at the start, and how it changes.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
 
+/// Where the blur stands among the parameters.
+const BLUR: usize = SHAPE_PARAMETERS;
+/// Keeps the blur determined where it is too small to show (the pixel's own box rules there); as much as a measurement of
+/// 10 px uncertainty at 1 % of noise.
+const BLUR_PRIOR: f64 = 1e-6;
+
 /// A fitted ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RingFitted {
     /// The most likely parameters.
     pub model: RingModel,
-    /// Covariance of the projected centre, px^2, from the residuals' own noise.
-    pub covariance: Matrix2<f64>,
+    /// Covariance of the shape's parameters (centre x, y first, px^2), from the residuals' own noise.
+    pub covariance: ShapeCovariance,
     /// Standard deviation of the residuals, grey 0..1.
     pub noise: f64,
+    /// Sum of the squared residuals.
+    pub squares: f64,
+    /// Pixels it was fitted to.
+    pub pixels: usize,
+}
+
+/// Covariance of centre x, y; affine xx, xy, yy; perspective x, y.
+pub type ShapeCovariance = SMatrix<f64, SHAPE_PARAMETERS, SHAPE_PARAMETERS>;
+
+impl RingFitted {
+    /// Covariance of the projected centre, px^2.
+    pub fn centre_covariance(&self) -> Matrix2<f64> {
+        self.covariance.fixed_view::<2, 2>(0, 0).into_owned()
+    }
 }
 
 /// Why a window has no fitted ring.
@@ -50,29 +71,41 @@ struct Normal {
 }
 
 impl Normal {
+    fn zero() -> Self {
+        Self {
+            squares: 0.0,
+            gradient: Vector::zeros(),
+            matrix: Matrix::zeros(),
+        }
+    }
+
     fn at(window: &Window, model: &RingModel, ratio: f64, circles: &mut Circles) -> Option<Self> {
-        let mut squares = 0.0;
-        let mut gradient = Vector::zeros();
-        let mut matrix = Matrix::zeros();
-        model.for_each_pixel(&window.grid, ratio, circles, |i, grey, derivatives| {
+        let mut normal = Self::zero();
+        model.for_each_pixel(&window.grid, ratio, circles, |i, pixel| {
             if window.weights[i] > 0.0 {
-                let residual = window.values[i] - grey;
-                squares += residual * residual;
-                gradient.axpy(residual, derivatives, 1.0);
-                for k in 0..PARAMETERS {
-                    let factor = derivatives[k];
-                    for l in k..PARAMETERS {
-                        matrix[(l, k)] += factor * derivatives[l];
-                    }
-                }
+                normal.add(window.values[i] - pixel.grey, pixel);
             }
         })?;
+        let Self {
+            squares, matrix, ..
+        } = &mut normal;
         matrix.fill_upper_triangle_with_lower_triangle();
-        (squares.is_finite() && matrix.iter().all(|v| v.is_finite())).then_some(Self {
-            squares,
-            gradient,
-            matrix,
-        })
+        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
+        (squares.is_finite() && matrix.iter().all(|v| v.is_finite())).then_some(normal)
+    }
+
+    /// Adds a pixel to the sums; of the matrix to its lower triangle.
+    fn add(&mut self, residual: f64, pixel: &PixelModel) {
+        self.squares += residual * residual;
+        let derivatives = pixel.derivatives.as_slice();
+        let columns = self.matrix.as_mut_slice().chunks_exact_mut(PARAMETERS);
+        for (k, column) in columns.enumerate().skip(pixel.first) {
+            let factor = derivatives[k];
+            self.gradient[k] += residual * factor;
+            for (sum, derivative) in column[k..].iter_mut().zip(&derivatives[k..]) {
+                *sum += factor * derivative;
+            }
+        }
     }
 
     /// The damped step (Marquardt's scaling).
@@ -107,7 +140,7 @@ pub fn fit(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted,
         }
         let mut moved = parameters + step;
         // the blur enters by its square: its sign says nothing
-        moved[super::shape::SHAPE_PARAMETERS] = moved[super::shape::SHAPE_PARAMETERS].abs();
+        moved[BLUR] = moved[BLUR].abs();
         let model = start.with_parameters(&moved);
         match Normal::at(window, &model, ratio, &mut circles) {
             Some(next) if next.squares < normal.squares => {
@@ -127,10 +160,12 @@ pub fn fit(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted,
 fn finish(model: RingModel, normal: &Normal, pixels: usize) -> Result<RingFitted, FitError> {
     let variance = normal.squares / (pixels - PARAMETERS) as f64;
     let inverse = normal.matrix.try_inverse().ok_or(FitError::Undetermined)?;
-    let covariance = inverse.fixed_view::<2, 2>(0, 0) * variance;
+    let covariance = inverse.fixed_view::<SHAPE_PARAMETERS, SHAPE_PARAMETERS>(0, 0) * variance;
     Ok(RingFitted {
         model,
         covariance,
         noise: variance.sqrt(),
+        squares: normal.squares,
+        pixels,
     })
 }

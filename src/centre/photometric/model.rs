@@ -36,6 +36,15 @@ pub struct RingModel {
 pub(super) type Vector = SVector<f64, PARAMETERS>;
 pub(super) type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
+/// What the model says of one pixel.
+#[derive(Debug)]
+pub(super) struct PixelModel {
+    pub(super) grey: f64,
+    pub(super) derivatives: Vector,
+    /// The derivatives before this one are zero, whatever they say: the pixel sees no outline.
+    pub(super) first: usize,
+}
+
 /// Room for the coverages of both circles, to be used again and again.
 #[derive(Debug, Default)]
 pub(super) struct Circles {
@@ -73,20 +82,24 @@ impl RingModel {
         }
     }
 
-    /// Calls `visit` with the grey value of every pixel and its derivatives, row by row; `None` where the shape is no ring.
+    /// Calls `visit` with every pixel, row by row; `None` where the shape is no ring.
     pub(super) fn for_each_pixel(
         &self,
         grid: &Grid,
         ratio: f64,
         circles: &mut Circles,
-        mut visit: impl FnMut(usize, f64, &Vector),
+        mut visit: impl FnMut(usize, &PixelModel),
     ) -> Option<()> {
         let Circles { outer, inner } = circles;
         outer.fill(grid, &self.shape, 1.0, &self.blur)?;
         inner.fill(grid, &self.shape, ratio, &self.blur)?;
         let (dark, light) = (self.ring - self.paper, self.inside - self.ring);
         let width_px = grid.width as f64 * grid.pixel_px;
-        let mut derivatives = Vector::zeros();
+        let mut pixel = PixelModel {
+            grey: 0.0,
+            derivatives: Vector::zeros(),
+            first: 0,
+        };
         for row in 0..grid.height {
             let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) * grid.pixel_px / width_px;
             for column in 0..grid.width {
@@ -96,16 +109,22 @@ impl RingModel {
                 let shade = 1.0 + self.shading[0] * u + self.shading[1] * v;
                 let (b1, br) = (outer.value(i), inner.value(i));
                 let flat = self.paper + dark * b1 + light * br;
-                let (d1, dr) = (outer.derivatives(i), inner.derivatives(i));
-                for k in 0..COVERAGE_PARAMETERS {
-                    derivatives[k] = shade * (dark * d1[k] + light * dr[k]);
+                let derivatives = &mut pixel.derivatives;
+                let near = outer.sees_outline(i) || inner.sees_outline(i);
+                pixel.first = if near { 0 } else { PAPER };
+                if near {
+                    let mut changes = [0.0; COVERAGE_PARAMETERS];
+                    outer.add_derivatives(i, shade * dark, &mut changes);
+                    inner.add_derivatives(i, shade * light, &mut changes);
+                    derivatives.as_mut_slice()[..COVERAGE_PARAMETERS].copy_from_slice(&changes);
                 }
                 derivatives[PAPER] = shade * (1.0 - b1);
                 derivatives[RING] = shade * (b1 - br);
                 derivatives[INSIDE] = shade * br;
                 derivatives[SHADING] = flat * u;
                 derivatives[SHADING + 1] = flat * v;
-                visit(i, flat * shade, &derivatives);
+                pixel.grey = flat * shade;
+                visit(i, &pixel);
             }
         }
         Some(())

@@ -7,12 +7,15 @@
 use super::blur::{Blur, Psf};
 use super::fit::{FitError, RingFitted, fit};
 use super::model::RingModel;
+use super::start::levels;
 use super::window::Window;
 use rayon::prelude::*;
 
 /// The disc is tried from these radii, in standard deviations of the fitted Gaussian. Its own is 2; larger discs look sharper
 /// to a Gaussian, because they invert the inner circle's contrast.
-const DISC_STARTS: [f64; 2] = [2.0, 2.6];
+const DISC_STARTS: [f64; 3] = [1.7, 2.0, 2.4];
+/// A smaller disc than this hardly changes with its radius, px.
+const LEAST_START_PX: f64 = 0.5;
 /// So many rings, spread over the view, choose for all.
 const JURY: usize = 9;
 
@@ -146,17 +149,20 @@ impl Both {
     }
 }
 
-/// The best disc from a few radii.
+/// A disc from the radius that explains the window best with the start's shape.
 fn fit_disc(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted, FitError> {
-    let from = |radius_in_sigmas: f64| {
-        let blur = Blur::disc(radius_in_sigmas * start.blur.sigma_px());
-        fit(window, &RingModel { blur, ..*start }, ratio)
-    };
-    DISC_STARTS
+    let mut room = Default::default();
+    let sigma_px = start.blur.sigma_px();
+    let (_, begin) = DISC_STARTS
         .into_iter()
-        .map(from)
-        .reduce(better)
-        .unwrap_or(Err(FitError::Undetermined))
+        .filter_map(|radius| {
+            let blur = Blur::disc((radius * sigma_px).max(LEAST_START_PX));
+            levels(window, &start.shape, &blur, ratio, &mut room)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0))
+        .ok_or(FitError::Undetermined)?;
+    let shading = start.shading;
+    fit(window, &RingModel { shading, ..begin }, ratio)
 }
 
 /// The fit with the smaller sum of squares.

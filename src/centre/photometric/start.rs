@@ -55,6 +55,7 @@ pub fn start(
     sigma_px: f64,
     ratio: f64,
 ) -> Option<RingModel> {
+    let mut room = Default::default();
     SIZES
         .iter()
         .flat_map(|&size| BLURS.iter().map(move |&blur| (size, blur)))
@@ -67,8 +68,9 @@ pub fn start(
             levels(
                 window,
                 &Shape::frontal(&outer),
-                (sigma_px * blur).max(0.3),
+                &Blur::gaussian((sigma_px * blur).max(0.3)),
                 ratio,
+                &mut room,
             )
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -76,11 +78,15 @@ pub fn start(
 }
 
 /// Least-squares grey levels for a shape and a blur, and the sum of squares they leave.
-fn levels(window: &Window, shape: &Shape, sigma_px: f64, ratio: f64) -> Option<(f64, RingModel)> {
-    let blur = Blur::gaussian(sigma_px);
-    let (mut outer, mut inner) = (Values::default(), Values::default());
-    outer.fill(&window.grid, shape, 1.0, &blur)?;
-    inner.fill(&window.grid, shape, ratio, &blur)?;
+pub(super) fn levels(
+    window: &Window,
+    shape: &Shape,
+    blur: &Blur,
+    ratio: f64,
+    [outer, inner]: &mut [Values; 2],
+) -> Option<(f64, RingModel)> {
+    outer.fill(&window.grid, shape, 1.0, blur)?;
+    inner.fill(&window.grid, shape, ratio, blur)?;
     let (mut normal, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
     for i in 0..window.values.len() {
         if window.weights[i] > 0.0 {
@@ -94,7 +100,7 @@ fn levels(window: &Window, shape: &Shape, sigma_px: f64, ratio: f64) -> Option<(
     let levels = normal.cholesky()?.solve(&right);
     let model = RingModel {
         shape: *shape,
-        blur,
+        blur: *blur,
         paper: levels.x,
         ring: levels.y,
         inside: levels.z,

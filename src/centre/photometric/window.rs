@@ -55,9 +55,20 @@ impl Grid {
 
 /// Whole numbers between two, of 0..count.
 fn indices_within(first: f64, last: f64, count: usize) -> Range<usize> {
-    // a cast of a float saturates: below zero it is zero
-    let first = (first.ceil() as usize).min(count);
-    let past = ((last.floor() + 1.0) as usize).min(count);
+    // a cast of a float truncates and saturates: below zero it is zero
+    let whole = first as usize;
+    let first = (if (whole as f64) < first {
+        whole.saturating_add(1)
+    } else {
+        whole
+    })
+    .min(count);
+    let past = if last < 0.0 {
+        0
+    } else {
+        (last as usize).saturating_add(1)
+    }
+    .min(count);
     first..past.max(first)
 }
 

@@ -176,14 +176,14 @@ fn moved(grid: &Grid, blur: &Blur, k: usize, by: f64) -> Vec<f64> {
 
 #[test]
 fn derivatives_agree_with_finite_differences() {
-    // the disc's are not smooth where it touches the outline: they are compared over more than a node's width
+    // a disc's values are right within 1e-4, so that their differences over 0.05 px are within 2e-3, some percent of the largest
     for (blur, step, tolerance) in [
         (Blur::gaussian(0.8), 1e-5, 1e-4),
         (Blur::gaussian(2.5), 1e-5, 1e-4),
         (Blur::disc(0.3), 3e-3, 2e-2),
         (Blur::disc(1.0), 3e-3, 2e-2),
         (Blur::disc(3.0), 3e-3, 1e-2),
-        (Blur::disc(9.0), 3e-3, 1e-2),
+        (Blur::disc(9.0), 3e-3, 2e-2),
     ] {
         let grid = grid(1.0, 64.0);
         let mut coverage = WithDerivatives::default();

@@ -110,7 +110,7 @@ mod tests {
 
     fn bent(label: Label) -> Point2<f64> {
         let p = plane(label) - Vector2::new(3.0, 3.0);
-        let factor = 100.0 * (1.0 - 0.008 * p.coords.norm_squared());
+        let factor = 100.0 * (1.0 - 0.004 * p.coords.norm_squared());
         Point2::from(p.coords * factor)
     }
 

@@ -22,7 +22,7 @@ pub struct Arguments {
     /// The board's YAML file.
     #[arg(long, value_name = "FILE")]
     board: PathBuf,
-    /// Which construction gives the projected centre: big_ellipse, small_ellipse, one_sided, cross or pole_polar.
+    /// What gives the projected centre: big_ellipse, small_ellipse, one_sided, cross, pole_polar or photometric.
     #[arg(long, value_name = "NAME", default_value = Estimator::default().name())]
     estimator: Estimator,
     /// What to print for each image.

@@ -29,12 +29,29 @@ pub struct Board {
     polarity: Polarity,
 }
 
+/// The longest length of a board, m: a larger number was meant in millimetres.
+const MOST_M: f64 = 10.0;
+
 /// What is wrong with a board description.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BoardError {
     /// The text is not the YAML of a board.
     #[error("not a board file: {0}")]
     Syntax(String),
+    /// A number of rings that is not whole or out of range.
+    #[error("{name} must be a whole number from 1 to 100, not {value}")]
+    Count {
+        /// The key of the board file.
+        name: &'static str,
+        /// The value found.
+        value: f64,
+    },
+    /// A key that the board needs is not there.
+    #[error("{name} is missing")]
+    Missing {
+        /// The key of the board file.
+        name: &'static str,
+    },
     /// No board has this many rings in a row or column.
     #[error("a board has 1 x 1 ring or 2 to 100 rows and columns, not {rows} x {columns}")]
     Size {
@@ -44,7 +61,7 @@ pub enum BoardError {
         columns: u16,
     },
     /// A length is missing, not finite or not positive.
-    #[error("{name} must be a positive length in metres, not {value}")]
+    #[error("{name} must be a length in metres, more than 0 and at most {MOST_M}, not {value}")]
     Length {
         /// The key of the board file.
         name: &'static str,
@@ -70,15 +87,14 @@ pub enum BoardError {
 }
 
 /// The keys of a board file, as written there.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BoardFile {
-    rows: u16,
-    columns: u16,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rows: Option<f64>,
+    columns: Option<f64>,
     pitch: Option<f64>,
-    inner_radius: f64,
-    outer_radius: f64,
+    inner_radius: Option<f64>,
+    outer_radius: Option<f64>,
     #[serde(default)]
     polarity: Polarity,
 }
@@ -135,12 +151,19 @@ impl Board {
     pub fn from_yaml(text: &str) -> Result<Self, BoardError> {
         let file: BoardFile =
             serde_saphyr::from_str(text).map_err(|e| BoardError::Syntax(e.to_string()))?;
+        let (rows, columns) = (count("rows", file.rows)?, count("columns", file.columns)?);
+        let single = rows == 1 && columns == 1;
+        let pitch_m = if single {
+            0.0
+        } else {
+            present("pitch", file.pitch)?
+        };
         Self::new(
-            file.rows,
-            file.columns,
-            file.pitch.unwrap_or(0.0),
-            file.inner_radius,
-            file.outer_radius,
+            rows,
+            columns,
+            pitch_m,
+            present("inner_radius", file.inner_radius)?,
+            present("outer_radius", file.outer_radius)?,
             file.polarity,
         )
     }
@@ -213,8 +236,21 @@ impl Board {
     }
 }
 
+fn present(name: &'static str, value: Option<f64>) -> Result<f64, BoardError> {
+    value.ok_or(BoardError::Missing { name })
+}
+
+fn count(name: &'static str, value: Option<f64>) -> Result<u16, BoardError> {
+    let value = present(name, value)?;
+    if (1.0..=100.0).contains(&value) && value.fract() == 0.0 {
+        Ok(value as u16)
+    } else {
+        Err(BoardError::Count { name, value })
+    }
+}
+
 fn positive(name: &'static str, value: f64) -> Result<(), BoardError> {
-    if value.is_finite() && value > 0.0 {
+    if value > 0.0 && value <= MOST_M {
         Ok(())
     } else {
         Err(BoardError::Length { name, value })
@@ -261,6 +297,15 @@ mod tests {
             Board::from_yaml(&swapped),
             Err(BoardError::Radii { .. })
         ));
+        let say = |from: &str, to: &str| {
+            Board::from_yaml(&C4.replace(from, to))
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(say("rows: 7", "rows: -7").contains("rows must be a whole number"));
+        assert!(say("rows: 7", "rows: 7.5").contains("not 7.5"));
+        assert_eq!(say("pitch: 0.0269\n", ""), "pitch is missing");
+        assert!(say("pitch: 0.0269", "pitch: 26.9").contains("in metres"));
         assert!(Board::from_yaml("rows: seven").is_err());
         assert!(Board::from_yaml(&format!("{C4}colour: red\n")).is_err());
     }

@@ -187,7 +187,7 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
             "2 views, at least 3 are needed",
         ),
         (&["drive.mcap"], 1, "rosbag2 bags are not read"),
-        (&["missing.png"], 1, "0 views"),
+        (&["missing.png"], 1, "missing.png: no such file"),
         (
             &["view_0.png", "--fix", "k1,k9"],
             2,

@@ -219,3 +219,73 @@ fn frames_without_a_board_say_so() {
     let noise = Frame::from_u8(Plane::from_vec(640, 480, noise).unwrap(), "noise");
     assert!(detect(&board, &noise, Estimator::Cross).is_err());
 }
+
+/// Noise smoothed to blobs of a few px stands in rows here and there; it is no board.
+#[test]
+fn texture_is_no_board() {
+    let boards = [
+        board(Polarity::DarkOnLight),
+        Board::new(4, 5, 0.029, 0.0053, 0.01, Polarity::DarkOnLight).unwrap(),
+    ];
+    for (seed, sigma) in [(1, 2.0_f32), (2, 4.0), (3, 6.0), (4, 8.0)] {
+        let mut state = seed;
+        let noise: Vec<u8> = std::iter::repeat_with(|| {
+            state = 1_664_525_u32
+                .wrapping_mul(state)
+                .wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        })
+        .take(1280 * 960)
+        .collect();
+        let picture = image::GrayImage::from_raw(1280, 960, noise).unwrap();
+        let smooth = image::imageops::blur(&picture, sigma);
+        // stretch what smoothing has left of the contrast
+        let gain = 2.4 * f64::from(sigma);
+        let grey = smooth
+            .into_raw()
+            .into_iter()
+            .map(|v| ((f64::from(v) - 127.5) * gain + 127.5) as u8);
+        let frame = Frame::from_u8(
+            Plane::from_vec(1280, 960, grey.collect()).unwrap(),
+            "texture",
+        );
+        for board in &boards {
+            let found = detect(board, &frame, Estimator::Cross);
+            assert!(
+                found.is_err(),
+                "sigma {sigma}: {} rings",
+                found.unwrap().rings.len()
+            );
+        }
+    }
+}
+
+#[test]
+fn a_strong_wide_lens_keeps_the_corners_of_the_board() {
+    let mut wide = camera();
+    wide.intrinsics.fx = 700.0;
+    wide.intrinsics.fy = 700.0;
+    wide.distortion = PlumbBob {
+        k1: -0.25,
+        k2: 0.06,
+        p1: 0.0,
+        p2: 0.0,
+        k3: 0.0,
+    };
+    let board = board(Polarity::DarkOnLight);
+    for pose in views(&wide, &board, 6, 0.4, 3).unwrap() {
+        let mut scene = Scene::new(wide, board.clone(), pose);
+        scene.defocus = Defocus::gaussian(2.0);
+        let rendering = render(&scene, 0).unwrap();
+        let detection = detect(&board, &rendering.frame, Estimator::Cross).unwrap();
+        assert!(detection.rings.len() >= 47, "{}", detection.rings.len());
+        for found in &detection.rings {
+            let truth = rendering
+                .truth
+                .rings
+                .iter()
+                .find(|t| (t.row, t.column) == (found.row, found.column));
+            assert!((found.centre.point - truth.unwrap().centre).norm() < 0.3);
+        }
+    }
+}

@@ -3,7 +3,6 @@
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. A file that cannot be read does not stop the others.
 
-use crate::board::Board;
 use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError, calibrate};
 use crate::camera::Camera;
 use crate::centre::Estimator;
@@ -12,7 +11,7 @@ use crate::formats::{CalibrationJson, CameraInfo, Outcome, write_by_rename};
 use crate::frame::Frame;
 use crate::report::report_html;
 use crate::session::{Session, SessionRules, View};
-use crate::source;
+use crate::source::{self, read_board};
 use anyhow::Context;
 use rayon::prelude::*;
 use std::fmt::Display;
@@ -77,6 +76,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
             bag.display()
         );
     }
+    if let Some(path) = arguments.inputs.iter().find(|path| !path.exists()) {
+        anyhow::bail!("{}: no such file or folder", path.display());
+    }
     let options = CalibrateOptions {
         fixed: Fixed::from_entries(&arguments.fix)?,
     };
@@ -113,12 +115,6 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn read_board(path: &Path) -> anyhow::Result<Board> {
-    let name = || path.display().to_string();
-    let text = std::fs::read_to_string(path).with_context(name)?;
-    Board::from_yaml(&text).with_context(name)
-}
-
 /// By name alone, so that a bag is told from a broken picture before anything is opened.
 fn is_bag(path: &Path) -> bool {
     let name = path.to_string_lossy().to_ascii_lowercase();
@@ -138,10 +134,7 @@ fn collect<E: Display + Send>(
     detector: &Detector,
     frames: impl Iterator<Item = (String, Result<Frame, E>)>,
 ) -> Collected {
-    let mut collected = Collected {
-        session: Session::new(detector.board().clone(), SessionRules::for_files()),
-        outcomes: Vec::new(),
-    };
+    let mut all = Vec::new();
     let mut frames = frames.peekable();
     while frames.peek().is_some() {
         let batch: Vec<_> = frames.by_ref().take(rayon::current_num_threads()).collect();
@@ -154,15 +147,43 @@ fn collect<E: Display + Send>(
                 (source, detection)
             })
             .collect();
-        for (source, detection) in found {
-            collected.add(source, detection);
+        for (source, detection) in &found {
+            if let Ok(detection) = detection {
+                let (rings, blur) = (detection.rings.len(), detection.blur_sigma_px());
+                eprintln!("{source}: {rings} rings, blur {blur:.1} px");
+            }
         }
+        all.extend(found);
+    }
+    let mut collected = Collected {
+        session: Session::new(detector.board().clone(), SessionRules::for_files()),
+        outcomes: Vec::new(),
+    };
+    let size = most_common_size(&all);
+    for (source, detection) in all {
+        collected.add(source, detection, size);
     }
     collected
 }
 
+/// Width and height, px, of most of the frames with a board, so that a stray picture decides nothing; of the first of them
+/// where two are equally common.
+fn most_common_size(found: &[(String, Result<Detection, String>)]) -> (usize, usize) {
+    let mut counts: Vec<((usize, usize), usize)> = Vec::new();
+    for detection in found.iter().filter_map(|(_, found)| found.as_ref().ok()) {
+        let size = (detection.width, detection.height);
+        match counts.iter_mut().find(|(other, _)| *other == size) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((size, 1)),
+        }
+    }
+    let most = counts.iter().rev().max_by_key(|(_, count)| *count);
+    most.map_or((0, 0), |(size, _)| *size)
+}
+
 impl Collected {
-    fn add(&mut self, source: String, detection: Result<Detection, String>) {
+    /// Takes in one frame; frames of another size than `size` are not of the same camera.
+    fn add(&mut self, source: String, detection: Result<Detection, String>, size: (usize, usize)) {
         let at = self.session.views().len();
         let outcome = match detection {
             Err(reason) => {
@@ -171,13 +192,18 @@ impl Collected {
                 let reason = bare.map_or_else(|| reason.clone(), str::to_owned);
                 Outcome::NotUsed { source, reason }
             }
+            Ok(detection) if (detection.width, detection.height) != size => Outcome::NotUsed {
+                reason: format!(
+                    "{} x {} px, but most frames are {} x {} px: not of the same camera",
+                    detection.width, detection.height, size.0, size.1
+                ),
+                source,
+            },
             Ok(detection) => {
                 let offer = self
                     .session
                     .offer(View::of_file(source.as_str(), &detection));
                 if offer.kept() {
-                    let (rings, blur) = (detection.rings.len(), detection.blur_sigma_px());
-                    eprintln!("{source}: {rings} rings, blur {blur:.1} px");
                     Outcome::Used(at)
                 } else {
                     let reason = offer.to_string();

@@ -1,13 +1,12 @@
 //! `ringcal detect`: finds the board in image files.
 
-use super::board_file;
 use crate::board::Board;
 use crate::centre::Estimator;
 use crate::detect::{DetectOptions, Detection, Detector, Miss};
 use crate::formats::{DetectionLine, write_by_rename};
 use crate::frame::Frame;
 use crate::report::{Scale, overlay, png};
-use crate::source::read_image;
+use crate::source::{read_board, read_image};
 use anyhow::Context;
 use std::collections::HashSet;
 use std::io::Write;
@@ -23,7 +22,7 @@ pub struct Arguments {
     /// The board's YAML file.
     #[arg(long, value_name = "FILE")]
     board: PathBuf,
-    /// Which construction gives the projected centre: big_ellipse, small_ellipse, one_sided, cross or pole_polar.
+    /// What gives the projected centre: big_ellipse, small_ellipse, one_sided, cross, pole_polar or photometric.
     #[arg(long, value_name = "NAME", default_value = Estimator::default().name())]
     estimator: Estimator,
     /// What to print for each image.
@@ -45,7 +44,7 @@ enum Format {
 /// Prints one result per image, in the order given. A file that cannot be read is a result too; the rest go on, and the
 /// command fails at the end.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
-    let board = board_file(&arguments.board)?;
+    let board = read_board(&arguments.board)?;
     let estimator = arguments.estimator;
     let detector = Detector::new(board, DetectOptions { estimator });
     let mut overlays = arguments.overlay.map(Overlays::new).transpose()?;

@@ -8,8 +8,6 @@ mod detect;
 mod node;
 mod simulate;
 
-use crate::board::Board;
-use anyhow::Context;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::path::Path;
@@ -73,11 +71,4 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
 fn usage(error: &clap::Error) -> ExitCode {
     let _ = error.print();
     ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
-}
-
-/// Reads a board file; the error names it.
-fn board_file(path: &Path) -> anyhow::Result<Board> {
-    let text =
-        std::fs::read_to_string(path).with_context(|| format!("board file {}", path.display()))?;
-    Board::from_yaml(&text).with_context(|| format!("board file {}", path.display()))
 }

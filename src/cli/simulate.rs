@@ -8,6 +8,7 @@ mod truth_file;
 use crate::board::Board;
 use crate::frame::{Frame, Pixels};
 use crate::simulate::{BitDepth, Light, Scene, Sensor, render, views};
+use crate::source::read_board;
 use anyhow::{Context, bail};
 use image::{ImageBuffer, ImageFormat, Luma};
 use std::io::{Cursor, Write};
@@ -18,9 +19,7 @@ pub use options::Arguments;
 
 /// Runs the command.
 pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
-    let path = &arguments.board;
-    let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let board = Board::from_yaml(&text).with_context(|| path.display().to_string())?;
+    let board = read_board(&arguments.board)?;
     let scenes = scenes(arguments, &board)?;
     let output = &arguments.output;
     std::fs::create_dir_all(output).with_context(|| output.display().to_string())?;

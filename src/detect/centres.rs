@@ -79,7 +79,7 @@ fn photometric(frame: &Frame, board: &Board, placed: &[Placed], sign: f64) -> Ve
                     column: ring.column,
                     centre: shared.next()?,
                     ellipses,
-                    blur_sigma_px: fit.model.sigma_px,
+                    blur_sigma_px: fit.model.blur.sigma_px(),
                 })
             }
             None => constructed(ring, &Cross::default()),

@@ -1,13 +1,14 @@
 //! The board in a lattice: which rings are which, the missing ones looked for where they must be, the verdict.
 
 use super::detection::Miss;
-use super::labelling::{Label, Lattice, extent, lattices, predicted};
+use super::labelling::{Label, Lattice, extent, lattices};
 use super::orientation::{Numbering, choose};
+use super::places::Places;
+use super::plausible::is_plausible;
 use super::ring_fit::{RingFit, measure, measure_disc};
 use crate::board::Board;
-use crate::centre::{Ellipse, RingEllipses};
+use crate::centre::RingEllipses;
 use crate::frame::Frame;
-use nalgebra::{Matrix3, Point2};
 
 /// Fraction of the board's rings that must be found, besides one in every row and column.
 const LEAST_FOUND: f64 = 0.6;
@@ -64,7 +65,7 @@ struct Measured<'a> {
     board: &'a Board,
     sign: f64,
     rings: std::collections::BTreeMap<Label, RingFit>,
-    homography: Matrix3<f64>,
+    places: Places,
 }
 
 impl<'a> Measured<'a> {
@@ -85,7 +86,7 @@ impl<'a> Measured<'a> {
             board,
             sign,
             rings,
-            homography: lattice.homography,
+            places: lattice.places,
         }
     }
 
@@ -104,6 +105,13 @@ impl<'a> Measured<'a> {
                 return;
             }
             self.rings.extend(found);
+            let centres = self
+                .rings
+                .iter()
+                .map(|(&label, ring)| (label, ring.outer.centre));
+            if let Some(places) = Places::fit(centres) {
+                self.places = places;
+            }
         }
     }
 
@@ -111,7 +119,7 @@ impl<'a> Measured<'a> {
         let labels: Vec<Label> = self.rings.keys().copied().collect();
         choose(
             &labels,
-            &self.homography,
+            &self.places.homography,
             self.board.rows(),
             self.board.columns(),
         )
@@ -140,8 +148,7 @@ impl<'a> Measured<'a> {
 
     /// Both circles where the homography says they are.
     fn predicted_ellipses(&self, label: Label) -> Option<RingEllipses> {
-        let image =
-            |radius_m: f64| circle_image(&self.homography, label, radius_m / self.board.pitch_m());
+        let image = |radius_m: f64| self.places.circle(label, radius_m / self.board.pitch_m());
         Some(RingEllipses {
             inner: image(self.board.inner_radius_m())?,
             outer: image(self.board.outer_radius_m())?,
@@ -154,8 +161,8 @@ impl<'a> Measured<'a> {
         let ratio = self.board.radius_ratio();
         let ring = measure(self.frame, &rough, self.sign, ratio)
             .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio))?;
-        let (place, step) = predicted(&self.homography, label)?;
-        let near = (ring.outer.centre - place).norm() < 0.25 * step;
+        let place = self.places.expect(label)?;
+        let near = (ring.outer.centre - place.at).norm() < 0.25 * place.step_px();
         let alike = (ring.outer.major / rough.outer.major).ln().abs() < 0.5;
         (near && alike).then_some(ring)
     }
@@ -181,6 +188,13 @@ impl<'a> Measured<'a> {
         let Some(numbering) = self.numbering() else {
             return Err(too_few_or_no_grid(self.board, found));
         };
+        if !is_plausible(self.board, &self.rings, &self.places) {
+            return Err(Miss::NoGrid {
+                found,
+                rows,
+                columns,
+            });
+        }
         if let Some((found_rows, found_columns)) = self.other_size(numbering) {
             return Err(Miss::WrongSize {
                 found_rows,
@@ -240,10 +254,10 @@ impl<'a> Measured<'a> {
     fn is_cut_off(&self, numbering: Numbering, columns: (i32, i32), rows: (i32, i32)) -> bool {
         let ring = self.board.outer_radius_m() / self.board.pitch_m();
         let inside = |place: Label| {
-            predicted(&self.homography, numbering.label(place)).is_some_and(|(p, step)| {
-                let margin = ring * step;
+            self.places.expect(numbering.label(place)).is_some_and(|p| {
+                let margin = ring * p.step_px();
                 let within = |v: f64, size: usize| v >= margin && v <= size as f64 - 1.0 - margin;
-                within(p.x, self.frame.width()) && within(p.y, self.frame.height())
+                within(p.at.x, self.frame.width()) && within(p.at.y, self.frame.height())
             })
         };
         let beyond = |i: i32, (first, last): (i32, i32)| i < first || i > last;
@@ -252,24 +266,4 @@ impl<'a> Measured<'a> {
             .filter(|&(column, row)| beyond(column, columns) || beyond(row, rows))
             .any(|place| !inside(place))
     }
-}
-
-/// The image of a circle about a label; its radius in pitches.
-fn circle_image(homography: &Matrix3<f64>, label: Label, radius: f64) -> Option<Ellipse> {
-    let (x, y) = (f64::from(label.0), f64::from(label.1));
-    let circle = Matrix3::new(
-        1.0,
-        0.0,
-        -x, //
-        0.0,
-        1.0,
-        -y, //
-        -x,
-        -y,
-        x * x + y * y - radius * radius,
-    );
-    let inverse = homography.try_inverse()?;
-    let ellipse = Ellipse::from_conic(&(inverse.transpose() * circle * inverse))?;
-    let finite = |p: &Point2<f64>| p.x.is_finite() && p.y.is_finite();
-    (finite(&ellipse.centre) && ellipse.major < 1e5).then_some(ellipse)
 }

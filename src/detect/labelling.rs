@@ -3,9 +3,9 @@
 //! Every ring carries a scale of its own: in the coordinates in which its outer ellipse is the unit circle, its
 //! neighbours stand at pitch over outer radius, at right angles, whatever the view.
 
+use super::places::Places;
 use super::ring_fit::RingFit;
-use crate::camera::homography::{apply, fit_homography};
-use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
+use nalgebra::{Matrix2, Point2, Vector2};
 use std::collections::{BTreeMap, VecDeque};
 
 /// A neighbour's distance over the expected one; a diagonal neighbour stands at 1.41.
@@ -14,9 +14,9 @@ const NEIGHBOUR: (f64, f64) = (0.7, 1.3);
 const RIGHT_ANGLE: f64 = 0.4;
 /// How far from its predicted place a ring may be, as a fraction of the step there.
 const WALK_TOLERANCE: f64 = 0.3;
-/// The same once a homography predicts.
+/// The same once all others predict.
 const FIT_TOLERANCE: f64 = 0.2;
-/// The least lattice worth a homography.
+/// The least lattice that determines a plane.
 const LEAST_MEMBERS: usize = 4;
 
 /// Column and row of a lattice: the origin and the quarter turn are arbitrary, the handedness is not.
@@ -27,8 +27,8 @@ pub(super) type Label = (i32, i32);
 pub(super) struct Lattice {
     /// Index of the ring at each label.
     pub(super) members: BTreeMap<Label, usize>,
-    /// Label (column, row) to frame px.
-    pub(super) homography: Matrix3<f64>,
+    /// Where they lie in the frame.
+    pub(super) places: Places,
 }
 
 /// The lattices that the rings form, largest first; each ring is in at most one. `spacing` is pitch over outer radius.
@@ -146,35 +146,41 @@ fn seed_axes(
     best.map(|(_, axes)| axes)
 }
 
-/// Fits a homography, drops the rings that disagree with it and adds those that it predicts.
+/// Learns where the labels lie, drops the rings that disagree with the others and adds those that are expected.
 fn settle(nodes: &[Node], free: &[bool], mut members: BTreeMap<Label, usize>) -> Option<Lattice> {
-    let mut homography = lattice_homography(nodes, &members)?;
+    let mut places = places(nodes, &members)?;
     for _ in 0..8 {
         let before = members.clone();
         members.retain(|&label, &mut at| {
-            predicted(&homography, label).is_some_and(|(place, step)| {
-                (nodes[at].centre - place).norm() < FIT_TOLERANCE * step
+            places.expect(label).is_some_and(|place| {
+                (nodes[at].centre - place.at).norm() < FIT_TOLERANCE * place.step_px()
             })
         });
-        homography = lattice_homography(nodes, &members)?;
+        places = self::places(nodes, &members)?;
         for label in around(&members) {
-            let Some((place, step)) = predicted(&homography, label) else {
+            let Some(place) = places.expect(label) else {
                 continue;
             };
             let usable = |i: usize| free[i] && !members.values().any(|&m| m == i);
-            if let Some(at) = nearest(nodes, place, FIT_TOLERANCE * step, usable) {
+            let tolerance_px = FIT_TOLERANCE * place.step_px();
+            if let Some(at) = nearest(nodes, place.at, tolerance_px, usable) {
                 members.insert(label, at);
             }
         }
         if members == before {
             break;
         }
-        homography = lattice_homography(nodes, &members)?;
+        places = self::places(nodes, &members)?;
     }
-    Some(Lattice {
-        members,
-        homography,
-    })
+    Some(Lattice { members, places })
+}
+
+fn places(nodes: &[Node], members: &BTreeMap<Label, usize>) -> Option<Places> {
+    Places::fit(
+        members
+            .iter()
+            .map(|(&label, &at)| (label, nodes[at].centre)),
+    )
 }
 
 /// Free labels within one step of the labels' extent.
@@ -197,26 +203,6 @@ pub(super) fn extent(labels: impl Iterator<Item = Label>) -> ((i32, i32), (i32, 
             )
         },
     )
-}
-
-/// Where a label lies in the frame and how long the shorter step to its neighbours is there, px.
-pub(super) fn predicted(homography: &Matrix3<f64>, label: Label) -> Option<(Point2<f64>, f64)> {
-    let at = Point2::new(f64::from(label.0), f64::from(label.1));
-    let place = apply(homography, at)?;
-    let column = apply(homography, at + Vector2::x())? - place;
-    let row = apply(homography, at + Vector2::y())? - place;
-    Some((place, column.norm().min(row.norm())))
-}
-
-fn lattice_homography(nodes: &[Node], members: &BTreeMap<Label, usize>) -> Option<Matrix3<f64>> {
-    let pairs: Vec<_> = members
-        .iter()
-        .map(|(label, &at)| {
-            let plane = Point2::new(f64::from(label.0), f64::from(label.1));
-            (plane, nodes[at].centre)
-        })
-        .collect();
-    fit_homography(&pairs)
 }
 
 fn nearest(

@@ -11,6 +11,8 @@ mod ellipse_fit;
 mod grid;
 mod labelling;
 mod orientation;
+mod places;
+mod plausible;
 mod profile;
 mod ring_fit;
 mod rings;

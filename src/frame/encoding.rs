@@ -87,6 +87,9 @@ enum Layout {
     Bgra,
 }
 
+/// Characters of an unknown encoding that an error repeats.
+const LONGEST_NAME: usize = 40;
+
 /// Every encoding that is read, by its name in `image_encodings.hpp`.
 const LAYOUTS: [(&str, Layout); 8] = [
     ("mono8", Layout::Grey8),
@@ -159,7 +162,8 @@ impl RawImage {
 
     fn checked_layout(&self) -> Result<Layout, FrameError> {
         let layout = Layout::of(&self.encoding).ok_or_else(|| FrameError::UnsupportedEncoding {
-            encoding: self.encoding.clone(),
+            // it comes from the network and goes to logs: no longer than any real name
+            encoding: self.encoding.chars().take(LONGEST_NAME).collect(),
         })?;
         if self.width == 0 || self.height == 0 {
             return Err(FrameError::Empty {

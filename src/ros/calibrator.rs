@@ -141,12 +141,15 @@ impl Calibrator {
         let stamp = frame.header.stamp.into();
         let view = View::of_message(&frame.header.frame_id, stamp, detection);
         let offer = self.session.offer(view);
-        if offer.restart.is_some() {
+        let restarted = offer.restart.is_some();
+        if restarted {
             self.forget();
             tracing::warn!("{offer}");
         }
         self.status.guidance = if offer.kept() {
-            tracing::info!("{offer}");
+            if !restarted {
+                tracing::info!("{offer}");
+            }
             self.session.guidance().to_string()
         } else {
             offer.to_string()

@@ -11,6 +11,7 @@ use super::qos;
 use super::remap::Names;
 use super::shutdown::asked_to_end;
 use crate::board::Board;
+use crate::source;
 use ros2_client::{CreateError, MessageTypeName, Node, NodeCreateError, NodeName, NodeOptions};
 use std::path::{Path, PathBuf};
 use tracing::Level;
@@ -134,9 +135,7 @@ fn overrides(sources: &[ParameterSource]) -> Result<ParameterOverrides, NodeErro
 }
 
 fn read_board(path: &Path) -> Result<Board, String> {
-    let refuse = |reason: String| format!("board_file {}: {reason}", path.display());
-    let text = std::fs::read_to_string(path).map_err(|e| refuse(e.to_string()))?;
-    Board::from_yaml(&text).map_err(|e| refuse(e.to_string()))
+    source::read_board(path).map_err(|error| error.to_string())
 }
 
 fn open_rosout(node: &mut Node, rosout: &Rosout) -> Result<(), NodeError> {

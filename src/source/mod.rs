@@ -3,8 +3,11 @@
 //! [`frames`] gives the frames of several inputs in the order of the command line. A file that cannot be read is an item of its
 //! own with the reason, and the rest go on. Only the names of a folder and one decoded picture are in memory at a time.
 
+mod board_file;
 mod folder;
 mod natural_order;
+
+pub use board_file::{BoardFileError, read_board};
 
 use crate::frame::{DecodeError, Frame, Stamp};
 use std::io;

@@ -1,6 +1,6 @@
 //! Maximum likelihood of the ring model on a window: Levenberg-Marquardt with analytic derivatives.
 
-use super::model::{Matrix, PARAMETERS, RingModel, Vector};
+use super::model::{Circles, Matrix, PARAMETERS, PixelModel, RingModel, Vector};
 use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
 use nalgebra::{Matrix2, SMatrix};
@@ -27,6 +27,10 @@ pub struct RingFitted {
     pub covariance: ShapeCovariance,
     /// Standard deviation of the residuals, grey 0..1.
     pub noise: f64,
+    /// Sum of the squared residuals.
+    pub squares: f64,
+    /// Pixels it was fitted to.
+    pub pixels: usize,
 }
 
 /// Covariance of centre x, y; affine xx, xy, yy; perspective x, y.
@@ -67,30 +71,41 @@ struct Normal {
 }
 
 impl Normal {
-    fn at(window: &Window, model: &RingModel, ratio: f64) -> Option<Self> {
-        let mut squares = 0.0;
-        let mut gradient = Vector::zeros();
-        let mut matrix = Matrix::zeros();
-        model.for_each_pixel(&window.grid, ratio, |i, grey, derivatives| {
+    fn zero() -> Self {
+        Self {
+            squares: 0.0,
+            gradient: Vector::zeros(),
+            matrix: Matrix::zeros(),
+        }
+    }
+
+    fn at(window: &Window, model: &RingModel, ratio: f64, circles: &mut Circles) -> Option<Self> {
+        let mut normal = Self::zero();
+        model.for_each_pixel(&window.grid, ratio, circles, |i, pixel| {
             if window.weights[i] > 0.0 {
-                let residual = window.values[i] - grey;
-                squares += residual * residual;
-                gradient.axpy(residual, derivatives, 1.0);
-                for k in 0..PARAMETERS {
-                    let factor = derivatives[k];
-                    for l in k..PARAMETERS {
-                        matrix[(l, k)] += factor * derivatives[l];
-                    }
-                }
+                normal.add(window.values[i] - pixel.grey, pixel);
             }
         })?;
+        let Self {
+            squares, matrix, ..
+        } = &mut normal;
         matrix.fill_upper_triangle_with_lower_triangle();
         matrix[(BLUR, BLUR)] += BLUR_PRIOR;
-        (squares.is_finite() && matrix.iter().all(|v| v.is_finite())).then_some(Self {
-            squares,
-            gradient,
-            matrix,
-        })
+        (squares.is_finite() && matrix.iter().all(|v| v.is_finite())).then_some(normal)
+    }
+
+    /// Adds a pixel to the sums; of the matrix to its lower triangle.
+    fn add(&mut self, residual: f64, pixel: &PixelModel) {
+        self.squares += residual * residual;
+        let derivatives = pixel.derivatives.as_slice();
+        let columns = self.matrix.as_mut_slice().chunks_exact_mut(PARAMETERS);
+        for (k, column) in columns.enumerate().skip(pixel.first) {
+            let factor = derivatives[k];
+            self.gradient[k] += residual * factor;
+            for (sum, derivative) in column[k..].iter_mut().zip(&derivatives[k..]) {
+                *sum += factor * derivative;
+            }
+        }
     }
 
     /// The damped step (Marquardt's scaling).
@@ -113,37 +128,44 @@ pub fn fit(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted,
         return Err(FitError::TooFewPixels { pixels });
     }
     let mut parameters = start.parameters();
-    let mut normal = Normal::at(window, start, ratio).ok_or(FitError::Undetermined)?;
+    let mut circles = Circles::default();
+    let mut normal =
+        Normal::at(window, start, ratio, &mut circles).ok_or(FitError::Undetermined)?;
     let mut damping = DAMPING.0;
     for _ in 0..STEPS {
         let step = normal.step(damping).ok_or(FitError::Undetermined)?;
         let expected = step.dot(&normal.gradient);
         if expected < CONVERGED * normal.squares.max(f64::MIN_POSITIVE) && damping < 1.0 {
-            return finish(&parameters, &normal, pixels);
+            return finish(start.with_parameters(&parameters), &normal, pixels);
         }
         let mut moved = parameters + step;
         // the blur enters by its square: its sign says nothing
         moved[BLUR] = moved[BLUR].abs();
-        match Normal::at(window, &RingModel::from_parameters(&moved), ratio) {
+        let model = start.with_parameters(&moved);
+        match Normal::at(window, &model, ratio, &mut circles) {
             Some(next) if next.squares < normal.squares => {
                 parameters = moved;
                 normal = next;
                 damping *= DAMPING.1;
             }
-            _ if damping > 1e8 => return finish(&parameters, &normal, pixels),
+            _ if damping > 1e8 => {
+                return finish(start.with_parameters(&parameters), &normal, pixels);
+            }
             _ => damping *= DAMPING.2,
         }
     }
     Err(FitError::NotConverged { steps: STEPS })
 }
 
-fn finish(parameters: &Vector, normal: &Normal, pixels: usize) -> Result<RingFitted, FitError> {
+fn finish(model: RingModel, normal: &Normal, pixels: usize) -> Result<RingFitted, FitError> {
     let variance = normal.squares / (pixels - PARAMETERS) as f64;
     let inverse = normal.matrix.try_inverse().ok_or(FitError::Undetermined)?;
     let covariance = inverse.fixed_view::<SHAPE_PARAMETERS, SHAPE_PARAMETERS>(0, 0) * variance;
     Ok(RingFitted {
-        model: RingModel::from_parameters(parameters),
+        model,
         covariance,
         noise: variance.sqrt(),
+        squares: normal.squares,
+        pixels,
     })
 }

@@ -3,7 +3,8 @@
 //! `I = (paper + (ring - paper) B_1 + (inside - ring) B_r) (1 + s . (x - x0) / w)`: B_1 and B_r are the blurred coverages of the
 //! outer and the inner circle (`coverage`), s the shading over the window's width w, x0 the window's middle.
 
-use super::coverage::{COVERAGE_PARAMETERS, Coverage};
+use super::blur::Blur;
+use super::coverage::{COVERAGE_PARAMETERS, WithDerivatives};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
 use nalgebra::{SMatrix, SVector};
@@ -20,8 +21,8 @@ const SHADING: usize = PAPER + 3;
 pub struct RingModel {
     /// Where the ring is and how it is tilted.
     pub shape: Shape,
-    /// Blur, px: standard deviation of the Gaussian.
-    pub sigma_px: f64,
+    /// Blur.
+    pub blur: Blur,
     /// Grey of the paper around the ring, 0..1.
     pub paper: f64,
     /// Grey of the ring.
@@ -35,11 +36,27 @@ pub struct RingModel {
 pub(super) type Vector = SVector<f64, PARAMETERS>;
 pub(super) type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
+/// What the model says of one pixel.
+#[derive(Debug)]
+pub(super) struct PixelModel {
+    pub(super) grey: f64,
+    pub(super) derivatives: Vector,
+    /// The derivatives before this one are zero, whatever they say: the pixel sees no outline.
+    pub(super) first: usize,
+}
+
+/// Room for the coverages of both circles, to be used again and again.
+#[derive(Debug, Default)]
+pub(super) struct Circles {
+    outer: WithDerivatives,
+    inner: WithDerivatives,
+}
+
 impl RingModel {
     pub(super) fn parameters(&self) -> Vector {
         let mut p = Vector::zeros();
         p.as_mut_slice()[..SHAPE_PARAMETERS].copy_from_slice(&self.shape.parameters());
-        p[SHAPE_PARAMETERS] = self.sigma_px;
+        p[SHAPE_PARAMETERS] = self.blur.size_px;
         p[PAPER] = self.paper;
         p[RING] = self.ring;
         p[INSIDE] = self.inside;
@@ -48,12 +65,16 @@ impl RingModel {
         p
     }
 
-    pub(super) fn from_parameters(p: &Vector) -> Self {
+    /// This model with other parameters; what kind of blur it has stays.
+    pub(super) fn with_parameters(&self, p: &Vector) -> Self {
         let mut shape = [0.0; SHAPE_PARAMETERS];
         shape.copy_from_slice(&p.as_slice()[..SHAPE_PARAMETERS]);
         Self {
             shape: Shape::from_parameters(&shape),
-            sigma_px: p[SHAPE_PARAMETERS],
+            blur: Blur {
+                size_px: p[SHAPE_PARAMETERS],
+                ..self.blur
+            },
             paper: p[PAPER],
             ring: p[RING],
             inside: p[INSIDE],
@@ -61,18 +82,24 @@ impl RingModel {
         }
     }
 
-    /// Calls `visit` with the grey value of every pixel and its derivatives, row by row; `None` where the shape is no ring.
+    /// Calls `visit` with every pixel, row by row; `None` where the shape is no ring.
     pub(super) fn for_each_pixel(
         &self,
         grid: &Grid,
         ratio: f64,
-        mut visit: impl FnMut(usize, f64, &Vector),
+        circles: &mut Circles,
+        mut visit: impl FnMut(usize, &PixelModel),
     ) -> Option<()> {
-        let outer = Coverage::gaussian(grid, &self.shape, 1.0, self.sigma_px)?;
-        let inner = Coverage::gaussian(grid, &self.shape, ratio, self.sigma_px)?;
+        let Circles { outer, inner } = circles;
+        outer.fill(grid, &self.shape, 1.0, &self.blur)?;
+        inner.fill(grid, &self.shape, ratio, &self.blur)?;
         let (dark, light) = (self.ring - self.paper, self.inside - self.ring);
         let width_px = grid.width as f64 * grid.pixel_px;
-        let mut derivatives = Vector::zeros();
+        let mut pixel = PixelModel {
+            grey: 0.0,
+            derivatives: Vector::zeros(),
+            first: 0,
+        };
         for row in 0..grid.height {
             let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) * grid.pixel_px / width_px;
             for column in 0..grid.width {
@@ -80,18 +107,24 @@ impl RingModel {
                     (column as f64 - 0.5 * (grid.width as f64 - 1.0)) * grid.pixel_px / width_px;
                 let i = row * grid.width + column;
                 let shade = 1.0 + self.shading[0] * u + self.shading[1] * v;
-                let (b1, br) = (outer.values[i], inner.values[i]);
+                let (b1, br) = (outer.value(i), inner.value(i));
                 let flat = self.paper + dark * b1 + light * br;
-                for k in 0..COVERAGE_PARAMETERS {
-                    let change = dark * outer.derivatives[k][i] + light * inner.derivatives[k][i];
-                    derivatives[k] = shade * change;
+                let derivatives = &mut pixel.derivatives;
+                let near = outer.sees_outline(i) || inner.sees_outline(i);
+                pixel.first = if near { 0 } else { PAPER };
+                if near {
+                    let mut changes = [0.0; COVERAGE_PARAMETERS];
+                    outer.add_derivatives(i, shade * dark, &mut changes);
+                    inner.add_derivatives(i, shade * light, &mut changes);
+                    derivatives.as_mut_slice()[..COVERAGE_PARAMETERS].copy_from_slice(&changes);
                 }
                 derivatives[PAPER] = shade * (1.0 - b1);
                 derivatives[RING] = shade * (b1 - br);
                 derivatives[INSIDE] = shade * br;
                 derivatives[SHADING] = flat * u;
                 derivatives[SHADING + 1] = flat * v;
-                visit(i, flat * shade, &derivatives);
+                pixel.grey = flat * shade;
+                visit(i, &pixel);
             }
         }
         Some(())

@@ -72,10 +72,10 @@ pub fn measure_ring(frame: &Frame, ring: &RingStart) -> Result<RingFitted, RingE
         };
         let fitted = fit(&pixels, &begin, ring.ratio)?;
         gate(ring, &fitted)?;
-        if first.is_some() || fitted.model.sigma_px < BLUR_GROWTH * sigma_px.max(1.0) {
+        if first.is_some() || fitted.model.blur.sigma_px() < BLUR_GROWTH * sigma_px.max(1.0) {
             return Ok(fitted);
         }
-        sigma_px = fitted.model.sigma_px;
+        sigma_px = fitted.model.blur.sigma_px();
         first = Some(fitted.model);
     }
 }

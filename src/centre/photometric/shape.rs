@@ -22,15 +22,6 @@ pub struct Shape {
     pub perspective: Vector2<f64>,
 }
 
-/// Where a horizontal line crosses a circle's image, and how the crossings move with the parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Chord {
-    /// Left and right crossing, px.
-    pub(super) ends: [f64; 2],
-    /// Derivatives of both with respect to the parameters.
-    pub(super) derivatives: [[f64; SHAPE_PARAMETERS]; 2],
-}
-
 impl Shape {
     /// A ring without perspective whose outer circle is this ellipse.
     pub fn frontal(outer: &Ellipse) -> Self {
@@ -58,7 +49,7 @@ impl Shape {
     }
 
     /// The matrix and vector of Q_a = x'^T M x' + 2 m . x' - a^2.
-    fn quadric(&self, radius: f64) -> (Matrix2<f64>, Vector2<f64>) {
+    pub(super) fn quadric(&self, radius: f64) -> (Matrix2<f64>, Vector2<f64>) {
         let [xx, xy, yy] = self.affine;
         let (q, a2) = (self.perspective, radius * radius);
         let matrix = Matrix2::new(xx, xy, xy, yy) - q * q.transpose() * a2;
@@ -86,6 +77,16 @@ impl Shape {
         })
     }
 
+    /// The shape with x and y exchanged.
+    pub(super) fn transposed(&self) -> Self {
+        let ([xx, xy, yy], q) = (self.affine, self.perspective);
+        Self {
+            centre: Point2::new(self.centre.y, self.centre.x),
+            affine: [yy, xy, xx],
+            perspective: Vector2::new(q.y, q.x),
+        }
+    }
+
     /// First and last y of a circle's image, px; `None` where it is no ellipse.
     pub(super) fn rows(&self, radius: f64) -> Option<(f64, f64)> {
         let (m, l) = self.quadric(radius);
@@ -101,83 +102,16 @@ impl Shape {
             self.centre.y + middle.y + half,
         ))
     }
-
-    /// The chord of a circle's image at height `y`; `None` beside it.
-    pub(super) fn chord(&self, radius: f64, y: f64) -> Option<Chord> {
-        let (m, l) = self.quadric(radius);
-        let v = y - self.centre.y;
-        // A x'^2 + 2 B x' + C = 0
-        let (a, b) = (m[(0, 0)], m[(0, 1)] * v + l.x);
-        let c = m[(1, 1)] * v * v + 2.0 * l.y * v - radius * radius;
-        let discriminant = b * b - a * c;
-        if !(discriminant > 0.0 && a > 0.0) {
-            return None;
-        }
-        let root = discriminant.sqrt();
-        let ends = [(-b - root) / a, (-b + root) / a];
-        let slopes = [-2.0 * root, 2.0 * root];
-        let derivatives =
-            [0, 1].map(|i| self.end_derivatives(radius, ends[i], v, slopes[i], &m, &l));
-        Some(Chord {
-            ends: ends.map(|x| x + self.centre.x),
-            derivatives,
-        })
-    }
-
-    /// How the crossing at (x', v) moves: the implicit function theorem on Q, whose slope along x is given.
-    fn end_derivatives(
-        &self,
-        radius: f64,
-        x: f64,
-        v: f64,
-        slope: f64,
-        m: &Matrix2<f64>,
-        l: &Vector2<f64>,
-    ) -> [f64; SHAPE_PARAMETERS] {
-        let along_y = 2.0 * (m[(0, 1)] * x + m[(1, 1)] * v + l.y);
-        let depth = 2.0 * radius * radius * (1.0 - self.perspective.x * x - self.perspective.y * v);
-        [
-            1.0,
-            along_y / slope,
-            -x * x / slope,
-            -2.0 * x * v / slope,
-            -v * v / slope,
-            -depth * x / slope,
-            -depth * v / slope,
-        ]
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    pub(crate) const SHAPE: [f64; SHAPE_PARAMETERS] =
-        [31.2, 28.9, 0.0031, 0.0004, 0.0042, 0.002, -0.0015];
+    const SHAPE: [f64; SHAPE_PARAMETERS] = [31.2, 28.9, 0.0031, 0.0004, 0.0042, 0.002, -0.0015];
 
     #[test]
-    fn chord_derivatives_agree_with_finite_differences() {
-        let h = 1e-6;
-        for (radius, y) in [(1.0, 22.0), (0.5, 30.0)] {
-            let chord = Shape::from_parameters(&SHAPE).chord(radius, y).unwrap();
-            for k in 0..SHAPE_PARAMETERS {
-                let moved = |sign: f64| {
-                    let mut p = SHAPE;
-                    p[k] += sign * h * SHAPE[k].abs();
-                    Shape::from_parameters(&p).chord(radius, y).unwrap().ends
-                };
-                let (up, down) = (moved(1.0), moved(-1.0));
-                for i in 0..2 {
-                    let slope = (up[i] - down[i]) / (2.0 * h * SHAPE[k].abs());
-                    let error = (chord.derivatives[i][k] - slope).abs();
-                    assert!(error < 1e-4 * slope.abs().max(1.0), "{k} {i}: {slope}");
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn the_curve_s_ellipse_has_its_chords_and_rows() {
+    fn the_curve_s_ellipse_has_its_rows() {
         let shape = Shape::from_parameters(&SHAPE);
         for radius in [1.0, 0.5] {
             let ellipse = shape.ellipse(radius).unwrap();
@@ -185,10 +119,6 @@ mod tests {
             for k in 0..12 {
                 let p = ellipse.point(0.5 * f64::from(k));
                 assert!(p.y > top - 1e-9 && p.y < bottom + 1e-9);
-                if let Some(chord) = shape.chord(radius, p.y) {
-                    let near = (chord.ends[0] - p.x).abs().min((chord.ends[1] - p.x).abs());
-                    assert!(near < 1e-6);
-                }
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Where a fit starts: the window, and of a few blurs and sizes the one whose grey levels explain it best.
 
-use super::coverage::Coverage;
+use super::blur::Blur;
+use super::coverage::Values;
 use super::model::RingModel;
 use super::shape::Shape;
 use super::window::{Rectangle, Window};
@@ -54,6 +55,7 @@ pub fn start(
     sigma_px: f64,
     ratio: f64,
 ) -> Option<RingModel> {
+    let mut room = Default::default();
     SIZES
         .iter()
         .flat_map(|&size| BLURS.iter().map(move |&blur| (size, blur)))
@@ -66,8 +68,9 @@ pub fn start(
             levels(
                 window,
                 &Shape::frontal(&outer),
-                (sigma_px * blur).max(0.3),
+                &Blur::gaussian((sigma_px * blur).max(0.3)),
                 ratio,
+                &mut room,
             )
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -75,12 +78,19 @@ pub fn start(
 }
 
 /// Least-squares grey levels for a shape and a blur, and the sum of squares they leave.
-fn levels(window: &Window, shape: &Shape, sigma_px: f64, ratio: f64) -> Option<(f64, RingModel)> {
-    let outer = Coverage::gaussian(&window.grid, shape, 1.0, sigma_px)?.values;
-    let inner = Coverage::gaussian(&window.grid, shape, ratio, sigma_px)?.values;
+pub(super) fn levels(
+    window: &Window,
+    shape: &Shape,
+    blur: &Blur,
+    ratio: f64,
+    [outer, inner]: &mut [Values; 2],
+) -> Option<(f64, RingModel)> {
+    outer.fill(&window.grid, shape, 1.0, blur)?;
+    inner.fill(&window.grid, shape, ratio, blur)?;
     let (mut normal, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-    for (i, (&b1, &br)) in outer.iter().zip(&inner).enumerate() {
+    for i in 0..window.values.len() {
         if window.weights[i] > 0.0 {
+            let (b1, br) = (outer.value(i), inner.value(i));
             let row = Vector3::new(1.0 - b1, b1 - br, br);
             normal += row * row.transpose();
             right += row * window.values[i];
@@ -90,7 +100,7 @@ fn levels(window: &Window, shape: &Shape, sigma_px: f64, ratio: f64) -> Option<(
     let levels = normal.cholesky()?.solve(&right);
     let model = RingModel {
         shape: *shape,
-        sigma_px,
+        blur: *blur,
         paper: levels.x,
         ring: levels.y,
         inside: levels.z,

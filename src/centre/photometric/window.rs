@@ -1,6 +1,7 @@
 //! The pixels a ring is fitted to: a rectangle of the frame, binned where the blur allows it.
 
 use crate::frame::{Frame, Pixel, Pixels, Plane};
+use std::ops::Range;
 
 /// The places of a window's pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,18 +29,47 @@ impl Grid {
         self.top_px + row as f64 * self.pixel_px
     }
 
-    /// Rows whose centres lie between two heights, px of the frame.
-    pub(super) fn rows_within(&self, first_px: f64, last_px: f64) -> std::ops::Range<usize> {
-        let first = ((first_px - self.top_px) / self.pixel_px).ceil().max(0.0) as usize;
-        let last = ((last_px - self.top_px) / self.pixel_px).floor();
-        if last < 0.0 {
-            return 0..0;
+    /// Rows and columns exchanged.
+    pub(super) fn transposed(&self) -> Self {
+        Self {
+            left_px: self.top_px,
+            top_px: self.left_px,
+            pixel_px: self.pixel_px,
+            width: self.height,
+            height: self.width,
         }
-        first
-            ..(last as usize + 1)
-                .min(self.height)
-                .max(first.min(self.height))
     }
+
+    /// Rows whose centres lie between two heights, px of the frame.
+    pub(super) fn rows_within(&self, first_px: f64, last_px: f64) -> Range<usize> {
+        let place = |y: f64| (y - self.top_px) / self.pixel_px;
+        indices_within(place(first_px), place(last_px), self.height)
+    }
+
+    /// Columns whose centres lie between two places, px of the frame; where there are none, those that would be next.
+    pub(super) fn columns_within(&self, first_px: f64, last_px: f64) -> Range<usize> {
+        let place = |x: f64| (x - self.left_px) / self.pixel_px;
+        indices_within(place(first_px), place(last_px), self.width)
+    }
+}
+
+/// Whole numbers between two, of 0..count.
+fn indices_within(first: f64, last: f64, count: usize) -> Range<usize> {
+    // a cast of a float truncates and saturates: below zero it is zero
+    let whole = first as usize;
+    let first = (if (whole as f64) < first {
+        whole.saturating_add(1)
+    } else {
+        whole
+    })
+    .min(count);
+    let past = if last < 0.0 {
+        0
+    } else {
+        (last as usize).saturating_add(1)
+    }
+    .min(count);
+    first..past.max(first)
 }
 
 /// A rectangle of the frame in frame pixels: first column and row, width and height.

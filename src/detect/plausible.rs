@@ -1,0 +1,45 @@
+//! Whether the rings of a lattice can be one board: texture, too, has blobs that stand in rows by chance.
+
+use super::labelling::Label;
+use super::places::Places;
+use super::ring_fit::RingFit;
+use crate::board::Board;
+use std::collections::BTreeMap;
+
+/// Root mean square distance of the rings from where the others expect them, as a fraction of the step between neighbours.
+/// A strong lens leaves 3 or 4 % on a board that fills the frame.
+const MOST_BENT: f64 = 0.08;
+/// Standard deviation of the rings' sizes about the board's (logarithm): blur changes them all alike.
+const MOST_UNEVEN: f64 = 0.15;
+/// The rings' common size over the board's: blur makes them larger, a roughly measured board either.
+const SIZE: (f64, f64) = (0.6, 1.7);
+/// The faintest ring's contrast over the strongest's: a shadow over a part of the board leaves more.
+const LEAST_CONTRAST: f64 = 0.06;
+
+/// Whether places, sizes and contrasts of the rings agree with one board on one plane.
+pub(super) fn is_plausible(
+    board: &Board,
+    rings: &BTreeMap<Label, RingFit>,
+    places: &Places,
+) -> bool {
+    let expected = board.outer_radius_m() / board.pitch_m();
+    let (mut bent, mut sizes) = (0.0, Vec::with_capacity(rings.len()));
+    for (&label, ring) in rings {
+        let Some(place) = places.expect(label) else {
+            return false;
+        };
+        bent += ((ring.outer.centre - place.at).norm() / place.step_px()).powi(2);
+        let size_px = (ring.outer.major * ring.outer.minor).sqrt();
+        sizes.push((size_px / (expected * (place.column_px * place.row_px).sqrt())).ln());
+    }
+    let count = rings.len() as f64;
+    let common = sizes.iter().sum::<f64>() / count;
+    let uneven = (sizes.iter().map(|s| (s - common).powi(2)).sum::<f64>() / count).sqrt();
+    let contrast =
+        |pick: fn(f64, f64) -> f64, start| rings.values().map(|r| r.contrast).fold(start, pick);
+    let (faintest, strongest) = (contrast(f64::min, f64::MAX), contrast(f64::max, 0.0));
+    (bent / count).sqrt() < MOST_BENT
+        && uneven < MOST_UNEVEN
+        && (SIZE.0..SIZE.1).contains(&common.exp())
+        && faintest > LEAST_CONTRAST * strongest
+}

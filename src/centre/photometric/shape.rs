@@ -8,7 +8,7 @@
 use crate::centre::Ellipse;
 use nalgebra::{Matrix2, Point2, Vector2};
 
-/// Parameters of a shape, in the order of [`Shape::parameters`].
+/// Parameters of a shape, in the order of `Shape::parameters`.
 pub const SHAPE_PARAMETERS: usize = 7;
 
 /// Where a ring is and how it is tilted; px.

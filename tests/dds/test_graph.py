@@ -39,6 +39,10 @@ def test_the_node_is_in_the_graph_with_all_it_offers(ringcal: RingcalProcess, ro
     )
     published = dict(node.get_publisher_names_and_types_by_node("ringcal", "/"))
     assert {name: published[name] for name in PUBLISHED} == {name: [kind] for name, kind in PUBLISHED.items()}
+    robot.until(
+        lambda: "/image" in dict(node.get_subscriber_names_and_types_by_node("ringcal", "/")),
+        "the node's subscription",
+    )
     subscribed = dict(node.get_subscriber_names_and_types_by_node("ringcal", "/"))
     assert subscribed["/image"] == ["sensor_msgs/msg/Image"]
     expected = {f"/ringcal/{name}" for name in TRIGGERS + PARAMETER_SERVICES}
@@ -62,8 +66,14 @@ def test_two_nodes_under_their_own_names_hear_their_own_cameras(start: Start, ro
     robot.until(lambda: robot.knows("ringcal", "/left") and robot.knows("eye", "/right"), "both nodes")
     assert len(left.show(sequence.frames[0].pixels).centres) == 35
 
-    names = robot.until(lambda: dict(robot.node.get_publisher_names_and_types_by_node("eye", "/right")), "topics")
-    assert "/right/eye/status" in names and "/found" in names and "/right/eye/centres" not in names
-    heard = dict(robot.node.get_subscriber_names_and_types_by_node("eye", "/right"))
-    assert "/cameras/right" in heard and "/right/image" not in heard
+    def topics() -> dict[str, list[str]]:
+        return dict(robot.node.get_publisher_names_and_types_by_node("eye", "/right"))
+
+    def heard() -> dict[str, list[str]]:
+        return dict(robot.node.get_subscriber_names_and_types_by_node("eye", "/right"))
+
+    robot.until(lambda: {"/right/eye/status", "/found"} <= topics().keys(), "the second node's topics")
+    assert "/right/eye/centres" not in topics()
+    robot.until(lambda: "/cameras/right" in heard(), "the second node's subscription")
+    assert "/right/image" not in heard()
     assert robot.trigger("/right/eye/reset").success

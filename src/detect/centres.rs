@@ -4,9 +4,11 @@ use super::detection::Ring;
 use super::grid::Placed;
 use crate::board::Board;
 use crate::camera::homography::fit_homography;
-use crate::centre::photometric::{RingFitted, RingStart, measure_ring, share_perspective};
-use crate::centre::{Centre, CentreEstimator, Cross, Ellipse, Estimator, RingEllipses};
-use crate::frame::Frame;
+use crate::centre::photometric::{
+    PsfChoice, RingFitted, RingStart, Workspace, measure_ring, share_perspective,
+};
+use crate::centre::{Centre, CentreEstimator, Cross, Estimator, RingEllipses};
+use crate::frame::{Frame, Linear};
 use nalgebra::{Matrix3, Point2};
 use rayon::prelude::*;
 
@@ -48,18 +50,19 @@ fn constructed(placed: &Placed, construction: &dyn CentreEstimator) -> Option<Ri
 /// Fits every ring's grey values, then shares the perspective among them. A ring that has no fit gets the paper's centre,
 /// without a covariance.
 fn photometric(frame: &Frame, board: &Board, placed: &[Placed], sign: f64) -> Vec<Ring> {
-    let neighbours: Vec<Ellipse> = placed.iter().map(|ring| ring.ellipses.outer).collect();
+    let linear = Linear::new(1.0, false);
     let fits: Vec<Option<RingFitted>> = placed
         .par_iter()
-        .map(|ring| {
+        .map_init(Workspace::default, |room, ring| {
             let start = RingStart {
-                ellipses: ring.ellipses,
+                outline: ring.ellipses.outer,
                 sigma_px: ring.blur_sigma_px,
                 ratio: board.radius_ratio(),
                 sign,
-                neighbours: &neighbours,
+                psf: PsfChoice::Auto,
+                linear: &linear,
             };
-            measure_ring(frame, &start).ok()
+            measure_ring(frame, &start, room).ok()
         })
         .collect();
     let fitted: Vec<RingFitted> = fits.iter().flatten().copied().collect();

@@ -6,12 +6,14 @@
 
 mod compressed;
 mod encoding;
+mod linear;
 mod luma;
 mod plane;
 mod pyramid;
 
 pub use compressed::DecodeError;
 pub use encoding::{FrameError, RawImage};
+pub use linear::Linear;
 pub use plane::{Pixel, Plane};
 pub use pyramid::{Level, half, half_of_frame};
 

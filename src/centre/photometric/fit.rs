@@ -1,19 +1,27 @@
 //! Maximum likelihood of the ring model on a window: Levenberg-Marquardt with analytic derivatives.
+//!
+//! Derivatives cost several times what values cost, and near the end they hardly change. So once a step is short against the
+//! blur, the next ones are made with the derivatives that are there, as long as the steps shrink.
 
-use super::model::{Circles, Matrix, PARAMETERS, PixelModel, RingModel, Vector};
+use super::model::{BLUR, Matrix, PARAMETERS, RingModel, Vector};
+use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
 use nalgebra::{Matrix2, SMatrix};
 
 /// Steps at most, accepted or not.
-const STEPS: usize = 40;
-/// Converged where a step would lower the sum of squares by less than this fraction.
-const CONVERGED: f64 = 1e-7;
+const STEPS: usize = 60;
+/// The last step is one of less than this many standard deviations squared: its own error is far less.
+const LAST_STEP: f64 = 0.02;
+/// The model's own arithmetic is no better than this, (light at full scale 1)^2.
+const LEAST_VARIANCE: f64 = 1e-9;
 /// Damping at the start, and how it changes.
-const DAMPING: (f64, f64, f64) = (1e-3, 0.2, 8.0);
-
-/// Where the blur stands among the parameters.
-const BLUR: usize = SHAPE_PARAMETERS;
+const DAMPING: (f64, f64, f64) = (1e-3, 0.1, 8.0);
+const LEAST_DAMPING: f64 = 1e-7;
+/// Derivatives are kept after steps that move the outline less than this fraction of the blur (the pixel's own included).
+const SHORT_STEP: f64 = 0.25;
+/// They are renewed where a step is expected to gain more than this fraction of what the one before was.
+const SLOW: f64 = 0.1;
 /// Keeps the blur determined where it is too small to show (the pixel's own box rules there); as much as a measurement of
 /// 10 px uncertainty at 1 % of noise.
 const BLUR_PRIOR: f64 = 1e-6;
@@ -25,7 +33,7 @@ pub struct RingFitted {
     pub model: RingModel,
     /// Covariance of the shape's parameters (centre x, y first, px^2), from the residuals' own noise.
     pub covariance: ShapeCovariance,
-    /// Standard deviation of the residuals, grey 0..1.
+    /// Standard deviation of the residuals, light at full scale 1.
     pub noise: f64,
     /// Sum of the squared residuals.
     pub squares: f64,
@@ -63,109 +71,226 @@ pub enum FitError {
     },
 }
 
-/// Sum of squares, gradient and normal matrix at one point.
-struct Normal {
-    squares: f64,
-    gradient: Vector,
-    matrix: Matrix,
-}
-
-impl Normal {
-    fn zero() -> Self {
-        Self {
-            squares: 0.0,
-            gradient: Vector::zeros(),
-            matrix: Matrix::zeros(),
-        }
-    }
-
-    fn at(window: &Window, model: &RingModel, ratio: f64, circles: &mut Circles) -> Option<Self> {
-        let mut normal = Self::zero();
-        model.for_each_pixel(&window.grid, ratio, circles, |i, pixel| {
-            if window.weights[i] > 0.0 {
-                normal.add(window.values[i] - pixel.grey, pixel);
-            }
-        })?;
-        let Self {
-            squares, matrix, ..
-        } = &mut normal;
-        matrix.fill_upper_triangle_with_lower_triangle();
-        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
-        (squares.is_finite() && matrix.iter().all(|v| v.is_finite())).then_some(normal)
-    }
-
-    /// Adds a pixel to the sums; of the matrix to its lower triangle.
-    fn add(&mut self, residual: f64, pixel: &PixelModel) {
-        self.squares += residual * residual;
-        let derivatives = pixel.derivatives.as_slice();
-        let columns = self.matrix.as_mut_slice().chunks_exact_mut(PARAMETERS);
-        for (k, column) in columns.enumerate().skip(pixel.first) {
-            let factor = derivatives[k];
-            self.gradient[k] += residual * factor;
-            for (sum, derivative) in column[k..].iter_mut().zip(&derivatives[k..]) {
-                *sum += factor * derivative;
-            }
-        }
-    }
-
-    /// The damped step (Marquardt's scaling).
-    fn step(&self, damping: f64) -> Option<Vector> {
-        let mut damped = self.matrix;
-        for k in 0..PARAMETERS {
-            damped[(k, k)] *= 1.0 + damping;
-        }
-        damped.cholesky().map(|c| c.solve(&self.gradient))
-    }
-}
-
-/// Fits a ring from a start; `ratio` is the board's inner over outer radius.
+/// Fits a ring from a start; `ratio` is the board's inner over outer radius, `around` holds the coverages of the rings around
+/// it.
 ///
 /// # Errors
 /// [`FitError`] where the pixels are too few, determine no ring or the fit does not settle.
-pub fn fit(window: &Window, start: &RingModel, ratio: f64) -> Result<RingFitted, FitError> {
-    let pixels = window.count();
-    if pixels < 2 * PARAMETERS {
-        return Err(FitError::TooFewPixels { pixels });
+pub fn fit(
+    window: &Window,
+    start: &RingModel,
+    ratio: f64,
+    around: Option<&[Vec<f32>; 2]>,
+    room: &mut Workspace,
+) -> Result<RingFitted, FitError> {
+    let mut problem = Problem {
+        window,
+        ratio,
+        around,
+        noise: 0.0,
+    };
+    let first = Fit::run(&problem, start, room)?;
+    if window.censored.is_empty() {
+        return Ok(first);
     }
-    let mut parameters = start.parameters();
-    let mut circles = Circles::default();
-    let mut normal =
-        Normal::at(window, start, ratio, &mut circles).ok_or(FitError::Undetermined)?;
-    let mut damping = DAMPING.0;
-    for _ in 0..STEPS {
-        let step = normal.step(damping).ok_or(FitError::Undetermined)?;
-        let expected = step.dot(&normal.gradient);
-        if expected < CONVERGED * normal.squares.max(f64::MIN_POSITIVE) && damping < 1.0 {
-            return finish(start.with_parameters(&parameters), &normal, pixels);
-        }
-        let mut moved = parameters + step;
-        // the blur enters by its square: its sign says nothing
-        moved[BLUR] = moved[BLUR].abs();
-        let model = start.with_parameters(&moved);
-        match Normal::at(window, &model, ratio, &mut circles) {
-            Some(next) if next.squares < normal.squares => {
-                parameters = moved;
-                normal = next;
-                damping *= DAMPING.1;
-            }
-            _ if damping > 1e8 => {
-                return finish(start.with_parameters(&parameters), &normal, pixels);
-            }
-            _ => damping *= DAMPING.2,
-        }
-    }
-    Err(FitError::NotConverged { steps: STEPS })
+    // only now is the noise known that says how far beyond its end a clipped pixel may be
+    problem.noise = first.noise;
+    Fit::run(&problem, &first.model, room)
 }
 
-fn finish(model: RingModel, normal: &Normal, pixels: usize) -> Result<RingFitted, FitError> {
-    let variance = normal.squares / (pixels - PARAMETERS) as f64;
-    let inverse = normal.matrix.try_inverse().ok_or(FitError::Undetermined)?;
-    let covariance = inverse.fixed_view::<SHAPE_PARAMETERS, SHAPE_PARAMETERS>(0, 0) * variance;
-    Ok(RingFitted {
-        model,
-        covariance,
-        noise: variance.sqrt(),
-        squares: normal.squares,
-        pixels,
-    })
+/// A fit under way.
+struct Fit<'a, 'b> {
+    problem: &'b Problem<'a>,
+    room: &'b mut Workspace,
+    start: RingModel,
+    parameters: Vector,
+    normal: Normal,
+    damping: f64,
+    pixels: usize,
+}
+
+impl Fit<'_, '_> {
+    fn run(
+        problem: &Problem,
+        start: &RingModel,
+        room: &mut Workspace,
+    ) -> Result<RingFitted, FitError> {
+        let pixels = problem.window.count() + problem.window.censored.len();
+        if pixels < 2 * PARAMETERS {
+            return Err(FitError::TooFewPixels { pixels });
+        }
+        let normal = room
+            .normal(problem, start)
+            .ok_or(FitError::Undetermined)?;
+        let mut fit = Fit {
+            problem,
+            room,
+            start: *start,
+            parameters: start.parameters(),
+            normal,
+            damping: DAMPING.0,
+            pixels,
+        };
+        fit.descend()
+    }
+
+    fn variance(&self) -> f64 {
+        self.normal.squares.max(f64::MIN_POSITIVE) / (self.pixels - PARAMETERS) as f64
+    }
+
+    fn descend(&mut self) -> Result<RingFitted, FitError> {
+        let (mut fresh, mut gained) = (true, f64::INFINITY);
+        let mut undamped = false;
+        for _ in 0..STEPS {
+            let step = self.step().ok_or(FitError::Undetermined)?;
+            let gain = step.dot(&self.normal.gradient);
+            let settled = gain < LAST_STEP * self.variance().max(LEAST_VARIANCE);
+            if settled && self.damping > 0.0 && !undamped {
+                // damping hides how far it still is along what the pixels hardly determine
+                (self.damping, undamped) = (0.0, true);
+                continue;
+            }
+            if settled && self.damping > 0.0 {
+                // nor did the undamped step gain anything: what is left is rounding
+                return self.finish();
+            }
+            if settled {
+                self.parameters = moved(&self.parameters, &step);
+                return self.finish();
+            }
+            if !fresh && gain > SLOW * gained {
+                self.renew()?;
+                (fresh, gained) = (true, f64::INFINITY);
+                continue;
+            }
+            let next = moved(&self.parameters, &step);
+            if self.is_short(&step) {
+                let model = self.start.with_parameters(&next);
+                match self.room.gradient(self.problem, &model) {
+                    Some((gradient, squares)) if squares <= self.normal.squares => {
+                        self.parameters = next;
+                        self.normal.gradient = gradient;
+                        self.normal.squares = squares;
+                        (fresh, gained, undamped) = (false, gain, false);
+                        self.damping *= DAMPING.1;
+                    }
+                    _ if !fresh => {
+                        self.renew()?;
+                        (fresh, gained) = (true, f64::INFINITY);
+                    }
+                    _ if self.damping > 1e8 => return self.finish(),
+                    _ => self.damp(),
+                }
+                continue;
+            }
+            match self.room.normal(self.problem, &self.start.with_parameters(&next)) {
+                Some(normal) if normal.squares < self.normal.squares => {
+                    self.parameters = next;
+                    self.normal = normal;
+                    (fresh, gained, undamped) = (true, f64::INFINITY, false);
+                    self.damping *= DAMPING.1;
+                }
+                _ if self.damping > 1e8 => return self.finish(),
+                _ => self.damp(),
+            }
+        }
+        Err(FitError::NotConverged { steps: STEPS })
+    }
+
+    fn damp(&mut self) {
+        self.damping = (self.damping * DAMPING.2).max(LEAST_DAMPING);
+    }
+
+    /// Computes the derivatives where the fit stands.
+    fn renew(&mut self) -> Result<(), FitError> {
+        let model = self.start.with_parameters(&self.parameters);
+        let normal = self.room.normal(self.problem, &model);
+        self.normal = normal.ok_or(FitError::Undetermined)?;
+        Ok(())
+    }
+
+    /// The damped step (Marquardt's scaling).
+    fn step(&self) -> Option<Vector> {
+        let mut damped = self.normal.matrix;
+        damped[(BLUR, BLUR)] += BLUR_PRIOR;
+        let scales = Vector::from_fn(|k, _| damped[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
+        let scaled = Matrix::from_fn(|i, j| {
+            let own = if i == j { 1.0 + self.damping } else { 1.0 };
+            own * damped[(i, j)] * scales[i] * scales[j]
+        });
+        let gradient = self.normal.gradient.component_mul(&scales);
+        let step = scaled.cholesky()?.solve(&gradient);
+        Some(step.component_mul(&scales))
+    }
+
+    /// Whether a step moves the outline by little against the blur.
+    fn is_short(&self, step: &Vector) -> bool {
+        let [xx, xy, yy] = self.start.with_parameters(&self.parameters).shape.affine;
+        // a relative change of the affine form moves the outline by half of it, in radii
+        let size = (xx * yy - xy * xy).max(f64::MIN_POSITIVE).powf(-0.25);
+        let affine = step[2].abs().max(step[3].abs()).max(step[4].abs()) * size * size;
+        let perspective = step[5].hypot(step[6]) * size;
+        let moved = step[0].hypot(step[1]) + size * (0.5 * affine + perspective) + step[BLUR].abs();
+        let blur = self.start.with_parameters(&self.parameters).blur.sigma_px();
+        moved < SHORT_STEP * (blur + 0.3 * self.problem.window.grid.pixel_px)
+    }
+
+    fn finish(&mut self) -> Result<RingFitted, FitError> {
+        let variance = self.variance();
+        let mut matrix = self.normal.matrix;
+        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
+        let scales = Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
+        let scaled = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
+        let inverse = scaled.cholesky().ok_or(FitError::Undetermined)?.inverse();
+        let covariance = ShapeCovariance::from_fn(|i, j| {
+            inverse[(i, j)] * scales[i] * scales[j] * variance
+        });
+        Ok(RingFitted {
+            model: self.start.with_parameters(&self.parameters),
+            covariance,
+            noise: variance.sqrt(),
+            squares: self.normal.squares,
+            pixels: self.pixels,
+        })
+    }
+}
+
+/// Parameters after a step. The blur enters by its square: its sign says nothing.
+fn moved(parameters: &Vector, step: &Vector) -> Vector {
+    let mut moved = parameters + step;
+    moved[BLUR] = moved[BLUR].abs();
+    moved
+}
+
+/// The least covariance (px^2) any unbiased estimator of a ring's centre can have on a window of this grid, for pixel noise of
+/// this standard deviation: the Cramer-Rao bound with every parameter of the model unknown. With `perspective_known` the
+/// perspective is given, as a board gives it. `None` where the shape is no ring or the pixels determine none.
+pub fn cramer_rao_bound(
+    window: &Window,
+    model: &RingModel,
+    ratio: f64,
+    noise: f64,
+    perspective_known: bool,
+) -> Option<Matrix2<f64>> {
+    let problem = Problem {
+        window,
+        ratio,
+        around: None,
+        noise,
+    };
+    let mut matrix = Workspace::default().normal(&problem, model)?.matrix;
+    matrix[(BLUR, BLUR)] += BLUR_PRIOR;
+    if perspective_known {
+        for k in SHAPE_PARAMETERS - 2..SHAPE_PARAMETERS {
+            matrix.fill_row(k, 0.0);
+            matrix.fill_column(k, 0.0);
+            matrix[(k, k)] = 1.0;
+        }
+    }
+    let scales = Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
+    let scaled = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
+    let inverse = scaled.cholesky()?.inverse();
+    Some(Matrix2::from_fn(|i, j| {
+        inverse[(i, j)] * scales[i] * scales[j] * noise * noise
+    }))
 }

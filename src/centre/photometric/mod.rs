@@ -1,25 +1,30 @@
 //! The photometric estimator: maximum likelihood of a blurred ring's grey values.
 //!
 //! ```text
-//! ellipses -> ring      one ring: start, fit, and the gate that decides whether to believe it
-//!             start     the window and the first guess: levels, blur, size
-//!             fit       Levenberg-Marquardt on `model`
-//!             psf       Gaussian or disc, by likelihood
-//!                       model = levels x coverage (blurred circles of `shape`) x shading
-//!          -> board     the rings of a board share their perspective
+//! outline -> ring      one ring: starts, fit, and the gate that decides whether to believe it
+//!            start     the window and the grey levels of a start
+//!            psf       Gaussian or disc, by likelihood
+//!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`) and their sums (`gram`)
+//!                      model = levels x coverage x shading
+//!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
+//!         -> law       the rings of a board share their perspective
 //! ```
 //!
 //! No construction on edges can be right under blur: an edge is displaced by the neighbouring edge and by its own
 //! curvature. The model knows both. It is fitted to the raw pixels of the frame, binned by half the blur at most.
 
 mod blur;
-mod board;
+mod boundary;
+mod censored;
 mod coverage;
 mod disc;
 mod fit;
 mod gaussian;
+mod gram;
+mod law;
 mod model;
-mod outline;
+mod normal;
+mod problem;
 mod psf;
 mod ring;
 mod shape;
@@ -27,14 +32,12 @@ mod start;
 mod window;
 
 pub use blur::{Blur, Psf};
-pub use board::{CentreAndCovariance, share_perspective};
-pub use fit::{FitError, RingFitted, ShapeCovariance, fit};
+pub use fit::{FitError, RingFitted, ShapeCovariance, cramer_rao_bound, fit};
+pub use law::{CentreAndCovariance, share_perspective};
 pub use model::RingModel;
-pub use psf::{PsfChoice, ViewFitted, fit_psf, fit_view};
+pub use problem::Workspace;
+pub use psf::{Both, Known, PsfChoice};
 pub use ring::{RingError, RingStart, measure_ring};
 pub use shape::{SHAPE_PARAMETERS, Shape};
-pub use start::{start, window};
-pub use window::{Grid, Rectangle, Window};
-
-#[cfg(test)]
-mod tests;
+pub use start::window;
+pub use window::{End, Grid, Rectangle, Window};

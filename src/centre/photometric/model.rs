@@ -4,17 +4,19 @@
 //! outer and the inner circle (`coverage`), s the shading over the window's width w, x0 the window's middle.
 
 use super::blur::Blur;
-use super::coverage::{COVERAGE_PARAMETERS, WithDerivatives};
+use super::coverage::{COVERAGE_PARAMETERS, Contrasts, Coverage};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
 use nalgebra::{SMatrix, SVector};
 
 /// All parameters: shape (7), blur (1), levels (3), shading (2).
 pub(super) const PARAMETERS: usize = COVERAGE_PARAMETERS + 5;
-const PAPER: usize = COVERAGE_PARAMETERS;
-const RING: usize = PAPER + 1;
-const INSIDE: usize = PAPER + 2;
-const SHADING: usize = PAPER + 3;
+/// Where each stands among the parameters.
+pub(super) const BLUR: usize = SHAPE_PARAMETERS;
+pub(super) const PAPER: usize = COVERAGE_PARAMETERS;
+pub(super) const RING: usize = PAPER + 1;
+pub(super) const INSIDE: usize = PAPER + 2;
+pub(super) const SHADING: usize = PAPER + 3;
 
 /// Everything the grey values of one window depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,11 +25,11 @@ pub struct RingModel {
     pub shape: Shape,
     /// Blur.
     pub blur: Blur,
-    /// Grey of the paper around the ring, 0..1.
+    /// Light of the paper around the ring, 1 at full scale.
     pub paper: f64,
-    /// Grey of the ring.
+    /// Light of the ring.
     pub ring: f64,
-    /// Grey of the inner disc.
+    /// Light of the inner disc.
     pub inside: f64,
     /// Relative change of the light over the window's width, across and down.
     pub shading: [f64; 2],
@@ -36,27 +38,11 @@ pub struct RingModel {
 pub(super) type Vector = SVector<f64, PARAMETERS>;
 pub(super) type Matrix = SMatrix<f64, PARAMETERS, PARAMETERS>;
 
-/// What the model says of one pixel.
-#[derive(Debug)]
-pub(super) struct PixelModel {
-    pub(super) grey: f64,
-    pub(super) derivatives: Vector,
-    /// The derivatives before this one are zero, whatever they say: the pixel sees no outline.
-    pub(super) first: usize,
-}
-
-/// Room for the coverages of both circles, to be used again and again.
-#[derive(Debug, Default)]
-pub(super) struct Circles {
-    outer: WithDerivatives,
-    inner: WithDerivatives,
-}
-
 impl RingModel {
     pub(super) fn parameters(&self) -> Vector {
         let mut p = Vector::zeros();
         p.as_mut_slice()[..SHAPE_PARAMETERS].copy_from_slice(&self.shape.parameters());
-        p[SHAPE_PARAMETERS] = self.blur.size_px;
+        p[BLUR] = self.blur.size_px;
         p[PAPER] = self.paper;
         p[RING] = self.ring;
         p[INSIDE] = self.inside;
@@ -72,7 +58,7 @@ impl RingModel {
         Self {
             shape: Shape::from_parameters(&shape),
             blur: Blur {
-                size_px: p[SHAPE_PARAMETERS],
+                size_px: p[BLUR],
                 ..self.blur
             },
             paper: p[PAPER],
@@ -82,51 +68,128 @@ impl RingModel {
         }
     }
 
-    /// Calls `visit` with every pixel, row by row; `None` where the shape is no ring.
-    pub(super) fn for_each_pixel(
-        &self,
+    /// Contrasts across the outer and the inner circle.
+    pub(super) fn contrasts(&self) -> Contrasts {
+        [self.ring - self.paper, self.inside - self.ring]
+    }
+
+    /// Light of the pixels of one row, from the coverages of both circles there.
+    #[inline(always)]
+    pub(super) fn light(&self, grid: &Grid, row: usize, [outer, inner]: [&[f32]; 2], out: &mut [f32]) {
+        let shades = Shades::new(self, grid, row);
+        let paper = self.paper as f32;
+        let [dark, light] = self.contrasts().map(|c| c as f32);
+        let (outer, inner) = (&outer[..out.len()], &inner[..out.len()]);
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = (paper + dark * outer[i] + light * inner[i]) * shades.at(i);
+        }
+    }
+}
+
+/// The shading along one row.
+#[derive(Clone, Copy)]
+struct Shades {
+    begin: f32,
+    slope: f32,
+    u0: f32,
+    step: f32,
+    v: f32,
+}
+
+impl Shades {
+    #[inline(always)]
+    fn new(model: &RingModel, grid: &Grid, row: usize) -> Self {
+        let width = grid.width as f64;
+        let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) / width;
+        let u0 = -0.5 * (width - 1.0) / width;
+        let [across, down] = model.shading;
+        Self {
+            begin: (1.0 + across * u0 + down * v) as f32,
+            slope: (across / width) as f32,
+            u0: u0 as f32,
+            step: (1.0 / width) as f32,
+            v: v as f32,
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, column: usize) -> f32 {
+        self.begin + self.slope * column as f32
+    }
+
+    #[inline(always)]
+    fn across(&self, column: usize) -> f32 {
+        self.u0 + self.step * column as f32
+    }
+}
+
+/// Derivatives of the light of one row of pixels by every parameter, each times the pixel's weight.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Row {
+    /// Parameter by parameter, `stride` pixels each; room for the residuals behind them.
+    pub(super) data: Vec<f32>,
+    pub(super) stride: usize,
+}
+
+impl Row {
+    /// Fills in all derivatives. Those by shape and blur come from the coverage's changes, those by the levels from its circles.
+    #[inline(always)]
+    pub(super) fn fill(
+        &mut self,
+        model: &RingModel,
         grid: &Grid,
-        ratio: f64,
-        circles: &mut Circles,
-        mut visit: impl FnMut(usize, &PixelModel),
-    ) -> Option<()> {
-        let Circles { outer, inner } = circles;
-        outer.fill(grid, &self.shape, 1.0, &self.blur)?;
-        inner.fill(grid, &self.shape, ratio, &self.blur)?;
-        let (dark, light) = (self.ring - self.paper, self.inside - self.ring);
-        let width_px = grid.width as f64 * grid.pixel_px;
-        let mut pixel = PixelModel {
-            grey: 0.0,
-            derivatives: Vector::zeros(),
-            first: 0,
-        };
-        for row in 0..grid.height {
-            let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) * grid.pixel_px / width_px;
-            for column in 0..grid.width {
-                let u =
-                    (column as f64 - 0.5 * (grid.width as f64 - 1.0)) * grid.pixel_px / width_px;
-                let i = row * grid.width + column;
-                let shade = 1.0 + self.shading[0] * u + self.shading[1] * v;
-                let (b1, br) = (outer.value(i), inner.value(i));
-                let flat = self.paper + dark * b1 + light * br;
-                let derivatives = &mut pixel.derivatives;
-                let near = outer.sees_outline(i) || inner.sees_outline(i);
-                pixel.first = if near { 0 } else { PAPER };
-                if near {
-                    let mut changes = [0.0; COVERAGE_PARAMETERS];
-                    outer.add_derivatives(i, shade * dark, &mut changes);
-                    inner.add_derivatives(i, shade * light, &mut changes);
-                    derivatives.as_mut_slice()[..COVERAGE_PARAMETERS].copy_from_slice(&changes);
-                }
-                derivatives[PAPER] = shade * (1.0 - b1);
-                derivatives[RING] = shade * (b1 - br);
-                derivatives[INSIDE] = shade * br;
-                derivatives[SHADING] = flat * u;
-                derivatives[SHADING + 1] = flat * v;
-                pixel.grey = flat * shade;
-                visit(i, &pixel);
+        row: usize,
+        coverage: &Coverage,
+        weights: &[f32],
+    ) {
+        let stride = grid.stride();
+        self.stride = stride;
+        self.data.resize(stride * (PARAMETERS + 1), 0.0);
+        let shades = Shades::new(model, grid, row);
+        let span = row * stride..(row + 1) * stride;
+        let mut columns = self.data.chunks_exact_mut(stride);
+        for (k, plane) in coverage.changes.iter().enumerate() {
+            // the blur's size is in frame pixels, the change of the coverage by one of the grid
+            let scale = if k == BLUR { 1.0 / grid.pixel_px as f32 } else { 1.0 };
+            let Some(out) = columns.next() else { return };
+            let changes = &plane[span.clone()];
+            for i in 0..stride {
+                out[i] = scale * changes[i] * shades.at(i) * weights[i];
             }
         }
-        Some(())
+        let outer = &coverage.circles[0][span.clone()];
+        let inner = &coverage.circles[1][span];
+        let [dark, light] = model.contrasts().map(|c| c as f32);
+        let paper = model.paper as f32;
+        let (Some(by_paper), Some(by_ring), Some(by_inside), Some(by_across), Some(by_down)) = (
+            columns.next(),
+            columns.next(),
+            columns.next(),
+            columns.next(),
+            columns.next(),
+        ) else {
+            return;
+        };
+        for i in 0..stride {
+            let shade = shades.at(i) * weights[i];
+            by_paper[i] = shade * (1.0 - outer[i]);
+            by_ring[i] = shade * (outer[i] - inner[i]);
+            by_inside[i] = shade * inner[i];
+        }
+        for i in 0..stride {
+            let flat = (paper + dark * outer[i] + light * inner[i]) * weights[i];
+            by_across[i] = flat * shades.across(i);
+            by_down[i] = flat * shades.v;
+        }
+    }
+
+    /// The derivatives by one parameter.
+    pub(super) fn parameter(&self, k: usize) -> &[f32] {
+        &self.data[k * self.stride..(k + 1) * self.stride]
+    }
+
+    /// The residuals, behind the parameters.
+    pub(super) fn residuals_mut(&mut self) -> &mut [f32] {
+        &mut self.data[PARAMETERS * self.stride..]
     }
 }

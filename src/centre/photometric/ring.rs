@@ -1,21 +1,37 @@
-//! One ring measured by its grey values: window, start, fit, and the gate that decides whether to believe it.
+//! One ring measured by its grey values alone: window, starts, fit, and the gate that decides whether to believe it.
 
-use super::fit::{FitError, RingFitted, fit};
-use super::start::{start, window};
-use crate::centre::{Ellipse, RingEllipses};
-use crate::frame::Frame;
-use nalgebra::Point2;
+use super::blur::{Blur, Psf};
+use super::fit::{FitError, RingFitted};
+use super::model::RingModel;
+use super::problem::Workspace;
+use super::psf::{Known, PsfChoice};
+use super::shape::Shape;
+use super::start::{levels, window};
+use super::window::Window;
+use crate::centre::Ellipse;
+use crate::frame::{Frame, Linear};
 
-/// How far the fitted centre may be from the outer ellipse's, in its minor semi-axes.
+/// How far the fitted centre may be from where the ring was seen, in minor semi-axes of what was seen.
 const FARTHEST: f64 = 0.5;
+/// Fitted size over the size seen: blur makes a ring look larger than it is.
+const SIZES_SEEN: (f64, f64) = (0.3, 1.6);
 /// The residuals of a ring are noise: larger than this fraction of its contrast, something else is in the window.
 const MOST_NOISE: f64 = 0.25;
 /// A centre less certain than this fraction of the outer minor semi-axis is no measurement.
 const LEAST_CERTAIN: f64 = 0.1;
-/// The window is cut anew where the fitted blur is this much larger than the one it was cut for.
-const BLUR_GROWTH: f64 = 1.3;
-/// Neighbouring rings are masked as far as this many blur sigmas beyond their outer ellipses.
-const SKIRT_SIGMAS: f64 = 2.5;
+/// The window is cut anew where the fitted blur is not within these factors of the one it was cut for.
+const SAME_BLUR: (f64, f64) = (0.7, 1.25);
+/// A window reaches this many blur sigmas beyond the outer circle.
+const MARGIN_SIGMAS: f64 = 3.0;
+/// Windows are cut so often at most.
+const CUTS: usize = 4;
+/// Edges of a blurred ring stand too far out and look too sharp: sizes (of the ellipse seen) and blurs (of the one seen, and of
+/// the size) that are tried.
+const SIZES: [f64; 6] = [1.12, 1.0, 0.9, 0.8, 0.7, 0.58];
+const BLURS: [f64; 3] = [1.0, 1.35, 1.8];
+const BLURS_OF_SIZE: [f64; 5] = [0.12, 0.2, 0.3, 0.42, 0.56];
+/// So many of the starts are fitted.
+const FITTED: usize = 3;
 
 /// Why a ring has no photometric centre.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -34,86 +50,143 @@ pub enum RingError {
     },
 }
 
-/// A ring to be measured: what edges say of it and what stands around it.
+/// A ring to be measured: what was seen of it.
 #[derive(Debug, Clone, Copy)]
 pub struct RingStart<'a> {
-    /// The ellipses its edges gave, px.
-    pub ellipses: RingEllipses,
+    /// Its outline, px: the outer ellipse, or the blurred patch where no edge shows.
+    pub outline: Ellipse,
     /// The blur its edges gave, px.
     pub sigma_px: f64,
     /// Inner over outer radius on the board.
     pub ratio: f64,
     /// 1 for a dark ring, -1 for a light one.
     pub sign: f64,
-    /// Outer ellipses of the other rings of the frame, px.
-    pub neighbours: &'a [Ellipse],
+    /// The shape of the blur.
+    pub psf: PsfChoice,
+    /// Light from grey values.
+    pub linear: &'a Linear,
 }
 
-/// Measures a ring on the frame.
+/// Measures a ring that stands alone.
 ///
 /// # Errors
 /// [`RingError`] where its pixels determine no ring, or another one than was asked for.
-pub fn measure_ring(frame: &Frame, ring: &RingStart) -> Result<RingFitted, RingError> {
-    let outer = ring.ellipses.outer;
-    let mut sigma_px = ring.sigma_px;
-    let mut first = None;
-    loop {
-        let skirts = skirts(ring, sigma_px);
-        let alone = |x: f64, y: f64| {
-            !skirts
-                .iter()
-                .any(|skirt| skirt.contains(&Point2::new(x, y)))
+pub fn measure_ring(
+    frame: &Frame,
+    ring: &RingStart,
+    room: &mut Workspace,
+) -> Result<RingFitted, RingError> {
+    let mut outline = ring.outline;
+    let mut sigma_px = ring.sigma_px.max(0.3);
+    let mut best: Option<RingFitted> = None;
+    for _ in 0..CUTS {
+        let pixels = window(frame, &outline, sigma_px, MARGIN_SIGMAS, ring.linear)
+            .ok_or(RingError::Outside)?;
+        let fitted = match best {
+            None => fit_starts(&pixels, ring, room)?,
+            Some(before) => {
+                let psf = before.model.blur.psf;
+                let again = known(&pixels, ring).fit_with(&before.model, psf, room);
+                match again.map_err(RingError::from).and_then(|f| gate(ring, f)) {
+                    Ok(fitted) => fitted,
+                    Err(_) => break,
+                }
+            }
         };
-        let pixels = window(frame, &outer, sigma_px, alone).ok_or(RingError::Outside)?;
-        let begin = match first {
-            Some(model) => model,
-            None => start(&pixels, &ring.ellipses, sigma_px, ring.ratio)
-                .ok_or(FitError::Undetermined)?,
-        };
-        let fitted = fit(&pixels, &begin, ring.ratio)?;
-        gate(ring, &fitted)?;
-        if first.is_some() || fitted.model.blur.sigma_px() < BLUR_GROWTH * sigma_px.max(1.0) {
-            return Ok(fitted);
+        let model = fitted.model;
+        let fitted_px = model.blur.sigma_px().max(0.3);
+        best = Some(fitted);
+        let change = fitted_px / sigma_px;
+        let same = change > SAME_BLUR.0 && change < SAME_BLUR.1;
+        if same || fitted_px.max(sigma_px) < 1.0 {
+            break;
         }
-        sigma_px = fitted.model.blur.sigma_px();
-        first = Some(fitted.model);
+        sigma_px = fitted_px;
+        outline = model.shape.ellipse(1.0).unwrap_or(outline);
+    }
+    best.ok_or(RingError::Outside)
+}
+
+fn known<'a>(window: &'a Window, ring: &RingStart) -> Known<'a> {
+    Known {
+        window,
+        ratio: ring.ratio,
+        around: None,
     }
 }
 
-/// The neighbours' ellipses grown by their blurred skirts.
-fn skirts(ring: &RingStart, sigma_px: f64) -> Vec<Ellipse> {
-    let outer = &ring.ellipses.outer;
-    let grow = SKIRT_SIGMAS * sigma_px;
-    let near = |e: &&Ellipse| {
-        let apart = (e.centre - outer.centre).norm();
-        apart > 0.5 * outer.minor && apart < outer.major + e.major + 2.0 * grow + 4.0
-    };
-    let grown = |e: &Ellipse| Ellipse {
-        major: e.major + grow,
-        minor: e.minor + grow,
-        ..*e
-    };
-    ring.neighbours.iter().filter(near).map(grown).collect()
+/// The most likely of the fits from the most promising starts that end on this ring.
+fn fit_starts(
+    window: &Window,
+    ring: &RingStart,
+    room: &mut Workspace,
+) -> Result<RingFitted, RingError> {
+    let starts = starts(window, ring, room);
+    let mut best: Option<RingFitted> = None;
+    let mut failure = RingError::Fit(FitError::Undetermined);
+    for start in starts.iter().take(FITTED) {
+        let fitted = known(window, ring).fit_choice(start, ring.psf, room);
+        match fitted.map_err(RingError::from).and_then(|f| gate(ring, f)) {
+            Ok(fitted) if best.is_none_or(|b| fitted.squares < b.squares) => best = Some(fitted),
+            Ok(_) => {}
+            Err(error) => failure = error,
+        }
+    }
+    best.ok_or(failure)
 }
 
-fn gate(ring: &RingStart, fitted: &RingFitted) -> Result<(), RingError> {
-    let outer = &ring.ellipses.outer;
+/// Starts near an outline, the most promising first, no two of them alike.
+fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingModel> {
+    let seen_px = size(&ring.outline);
+    let blurs = BLURS
+        .iter()
+        .map(|factor| factor * ring.sigma_px.max(0.3))
+        .chain(BLURS_OF_SIZE.iter().map(|factor| factor * seen_px));
+    let psf = match ring.psf {
+        PsfChoice::Fixed(psf) => psf,
+        PsfChoice::Auto => Psf::Gaussian,
+    };
+    let mut found: Vec<(f64, RingModel)> = Vec::new();
+    for sigma_px in blurs {
+        for factor in SIZES {
+            let shape = Shape::frontal(&ring.outline).scaled(factor);
+            let blur = Blur::of_sigma(psf, sigma_px);
+            found.extend(
+                levels(window, &shape, &blur, ring.ratio, room)
+                    .filter(|(_, model)| has_contrast(ring.sign, model)),
+            );
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.into_iter().map(|(_, model)| model).collect()
+}
+
+fn has_contrast(sign: f64, model: &RingModel) -> bool {
+    sign * (model.paper - model.ring) > 0.0 && sign * (model.inside - model.ring) > 0.0
+}
+
+fn size(ellipse: &Ellipse) -> f64 {
+    (ellipse.major * ellipse.minor).sqrt()
+}
+
+/// The fit, where it is the ring that was seen.
+fn gate(ring: &RingStart, fitted: RingFitted) -> Result<RingFitted, RingError> {
+    let outer = &ring.outline;
     let model = &fitted.model;
     let contrast = ring.sign * (model.paper - model.ring);
-    let size = model.shape.ellipse(1.0).map(|e| (e.major * e.minor).sqrt());
-    let expected = (outer.major * outer.minor).sqrt();
+    let relative = model.shape.ellipse(1.0).map(|e| size(&e) / size(outer));
     let what = if (model.shape.centre - outer.centre).norm() > FARTHEST * outer.minor {
         "its centre is elsewhere"
-    } else if !size.is_some_and(|s| s > 0.5 * expected && s < 1.6 * expected) {
+    } else if !relative.is_some_and(|s| s > SIZES_SEEN.0 && s < SIZES_SEEN.1) {
         "its size is another"
-    } else if contrast <= 0.0 || ring.sign * (model.inside - model.ring) <= 0.0 {
+    } else if !has_contrast(ring.sign, model) {
         "its contrast is reversed"
     } else if fitted.noise > MOST_NOISE * contrast {
         "its residuals are no noise"
     } else if fitted.centre_covariance().trace().sqrt() > LEAST_CERTAIN * outer.minor {
         "its centre is uncertain"
     } else {
-        return Ok(());
+        return Ok(fitted);
     };
     Err(RingError::NotThisRing { what })
 }

@@ -33,6 +33,31 @@ impl Shape {
         }
     }
 
+    /// The ring of this perspective whose outer circle is this ellipse.
+    pub fn in_perspective(outer: &Ellipse, perspective: Vector2<f64>) -> Option<Self> {
+        let conic = outer.conic();
+        let form = conic.fixed_view::<2, 2>(0, 0).into_owned();
+        let q = perspective;
+        // Q_1 = (x - m)^T s E (x - m) - s with s = 1 + q^T E^-1 q / s and m = -E^-1 q / s
+        let moved = form.try_inverse()? * q;
+        let s = 0.5 * (1.0 + (1.0 + 4.0 * q.dot(&moved)).sqrt());
+        let affine = form * s + q * q.transpose();
+        Some(Self {
+            centre: outer.centre + moved / s,
+            affine: [affine[(0, 0)], affine[(0, 1)], affine[(1, 1)]],
+            perspective: q,
+        })
+    }
+
+    /// The same ring, larger by a factor.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self {
+            centre: self.centre,
+            affine: self.affine.map(|v| v / (factor * factor)),
+            perspective: self.perspective,
+        }
+    }
+
     /// Centre x, y; affine xx, xy, yy; perspective x, y.
     pub(super) fn parameters(&self) -> [f64; SHAPE_PARAMETERS] {
         let [xx, xy, yy] = self.affine;
@@ -76,52 +101,11 @@ impl Shape {
             ..ellipse
         })
     }
-
-    /// The shape with x and y exchanged.
-    pub(super) fn transposed(&self) -> Self {
-        let ([xx, xy, yy], q) = (self.affine, self.perspective);
-        Self {
-            centre: Point2::new(self.centre.y, self.centre.x),
-            affine: [yy, xy, xx],
-            perspective: Vector2::new(q.y, q.x),
-        }
-    }
-
-    /// First and last y of a circle's image, px; `None` where it is no ellipse.
-    pub(super) fn rows(&self, radius: f64) -> Option<(f64, f64)> {
-        let (m, l) = self.quadric(radius);
-        let determinant = m.determinant();
-        let inverse = m
-            .try_inverse()
-            .filter(|_| determinant > 0.0 && m[(0, 0)] > 0.0)?;
-        let middle = inverse * -l;
-        let value = radius * radius + l.dot(&(inverse * l));
-        let half = (inverse[(1, 1)] * value).sqrt();
-        half.is_finite().then_some((
-            self.centre.y + middle.y - half,
-            self.centre.y + middle.y + half,
-        ))
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const SHAPE: [f64; SHAPE_PARAMETERS] = [31.2, 28.9, 0.0031, 0.0004, 0.0042, 0.002, -0.0015];
-
-    #[test]
-    fn the_curve_s_ellipse_has_its_rows() {
-        let shape = Shape::from_parameters(&SHAPE);
-        for radius in [1.0, 0.5] {
-            let ellipse = shape.ellipse(radius).unwrap();
-            let (top, bottom) = shape.rows(radius).unwrap();
-            for k in 0..12 {
-                let p = ellipse.point(0.5 * f64::from(k));
-                assert!(p.y > top - 1e-9 && p.y < bottom + 1e-9);
-            }
-        }
-    }
 
     #[test]
     fn frontal_keeps_the_outer_ellipse() {
@@ -133,5 +117,21 @@ mod tests {
         };
         let back = Shape::frontal(&outer).ellipse(1.0).unwrap();
         assert!((back.major - 20.0).abs() < 1e-9 && (back.angle - 0.3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn perspective_keeps_the_outer_ellipse_too() {
+        let outer = Ellipse {
+            centre: Point2::new(50.0, 40.0),
+            major: 20.0,
+            minor: 12.0,
+            angle: 0.3,
+        };
+        let q = Vector2::new(0.004, -0.007);
+        let shape = Shape::in_perspective(&outer, q).unwrap();
+        let back = shape.ellipse(1.0).unwrap();
+        assert!((back.centre - outer.centre).norm() < 1e-9);
+        assert!((back.major - 20.0).abs() < 1e-9 && (back.minor - 12.0).abs() < 1e-9);
+        assert!((shape.centre - outer.centre).norm() > 0.1);
     }
 }

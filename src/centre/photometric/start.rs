@@ -1,31 +1,29 @@
 //! Where a fit starts: the window, and of a few blurs and sizes the one whose grey levels explain it best.
 
 use super::blur::Blur;
-use super::coverage::Values;
 use super::model::RingModel;
+use super::problem::Workspace;
 use super::shape::Shape;
 use super::window::{Rectangle, Window};
-use crate::centre::{Ellipse, RingEllipses};
-use crate::frame::Frame;
-use nalgebra::{Matrix3, Vector3};
+use crate::centre::Ellipse;
+use crate::frame::{Frame, Linear};
+use nalgebra::{SMatrix, SVector};
 
-/// A window reaches this many blur sigmas beyond the outer ellipse, and at least this many px.
-const MARGIN_SIGMAS: f64 = 2.5;
+/// A window's margin is at least this, px.
 const LEAST_MARGIN_PX: f64 = 3.0;
 /// A window's pixel is at most this fraction of the blur sigma: binning by half of it costs no accuracy.
 const BIN_OF_SIGMA: f64 = 0.5;
-/// Edges of a blurred ring stand too far out and look too sharp: factors of size and blur that are tried.
-const SIZES: [f64; 3] = [1.0, 0.92, 0.84];
-const BLURS: [f64; 3] = [1.0, 1.35, 1.8];
 
-/// The window around a ring. `counts` says which places of the frame (px) belong to this ring alone.
+/// The window around a ring: `margin_sigmas` blur sigmas beyond its outer ellipse, its pixels binned as the blur allows; `None` where it
+/// lies outside the frame.
 pub fn window(
     frame: &Frame,
     outer: &Ellipse,
     sigma_px: f64,
-    counts: impl Fn(f64, f64) -> bool,
+    margin_sigmas: f64,
+    linear: &Linear,
 ) -> Option<Window> {
-    let margin = (MARGIN_SIGMAS * sigma_px).max(LEAST_MARGIN_PX);
+    let margin = (margin_sigmas * sigma_px).max(LEAST_MARGIN_PX);
     let (sin, cos) = outer.angle.sin_cos();
     let half_x = (outer.major * cos).hypot(outer.minor * sin) + margin;
     let half_y = (outer.major * sin).hypot(outer.minor * cos) + margin;
@@ -44,67 +42,58 @@ pub fn window(
         width: x1.saturating_sub(x0),
         height: y1.saturating_sub(y0),
     };
-    let bin = ((BIN_OF_SIGMA * sigma_px) as usize).max(1);
-    Window::cut(frame, rectangle, bin, counts)
+    Window::cut(frame, rectangle, bin(sigma_px), linear)
 }
 
-/// The best of the starts near two ellipses.
-pub fn start(
-    window: &Window,
-    ellipses: &RingEllipses,
-    sigma_px: f64,
-    ratio: f64,
-) -> Option<RingModel> {
-    let mut room = Default::default();
-    SIZES
-        .iter()
-        .flat_map(|&size| BLURS.iter().map(move |&blur| (size, blur)))
-        .filter_map(|(size, blur)| {
-            let outer = Ellipse {
-                major: ellipses.outer.major * size,
-                minor: ellipses.outer.minor * size,
-                ..ellipses.outer
-            };
-            levels(
-                window,
-                &Shape::frontal(&outer),
-                &Blur::gaussian((sigma_px * blur).max(0.3)),
-                ratio,
-                &mut room,
-            )
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, model)| model)
+/// How many frame pixels a window's pixel may be wide.
+pub(super) fn bin(sigma_px: f64) -> usize {
+    ((BIN_OF_SIGMA * sigma_px) as usize).max(1)
 }
 
-/// Least-squares grey levels for a shape and a blur, and the sum of squares they leave.
+/// Least-squares levels and a slope of the light for a shape and a blur, and the sum of squares they leave.
 pub(super) fn levels(
     window: &Window,
     shape: &Shape,
     blur: &Blur,
     ratio: f64,
-    [outer, inner]: &mut [Values; 2],
+    room: &mut Workspace,
 ) -> Option<(f64, RingModel)> {
-    outer.fill(&window.grid, shape, 1.0, blur)?;
-    inner.fill(&window.grid, shape, ratio, blur)?;
-    let (mut normal, mut right, mut total) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
-    for i in 0..window.values.len() {
-        if window.weights[i] > 0.0 {
-            let (b1, br) = (outer.value(i), inner.value(i));
-            let row = Vector3::new(1.0 - b1, b1 - br, br);
-            normal += row * row.transpose();
-            right += row * window.values[i];
-            total += window.values[i] * window.values[i];
+    const UNKNOWNS: usize = 5;
+    let mut circles = room.circles(window, shape, blur, ratio)?.iter();
+    let (outer, inner) = (circles.next()?, circles.next()?);
+    let grid = &window.grid;
+    let (width, stride) = (grid.width as f64, grid.stride());
+    let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
+    let mut right = SVector::<f64, UNKNOWNS>::zeros();
+    let mut total = 0.0;
+    for row in 0..grid.height {
+        let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) / width;
+        for column in 0..grid.width {
+            let i = row * stride + column;
+            if window.weights[i] > 0.0 {
+                let u = (column as f64 - 0.5 * (width - 1.0)) / width;
+                let (b1, br) = (f64::from(outer[i]), f64::from(inner[i]));
+                let line = SVector::from([1.0 - b1, b1 - br, br, u, v]);
+                let value = f64::from(window.values[i]);
+                normal.ger(1.0, &line, &line, 1.0);
+                right.axpy(value, &line, 1.0);
+                total += value * value;
+            }
         }
     }
-    let levels = normal.cholesky()?.solve(&right);
+    let ridge = 1e-9 * normal.trace();
+    for k in 0..UNKNOWNS {
+        normal[(k, k)] += ridge;
+    }
+    let solved = normal.cholesky()?.solve(&right);
+    let mean = solved[0].max(0.05);
     let model = RingModel {
         shape: *shape,
         blur: *blur,
-        paper: levels.x,
-        ring: levels.y,
-        inside: levels.z,
-        shading: [0.0, 0.0],
+        paper: solved[0],
+        ring: solved[1],
+        inside: solved[2],
+        shading: [solved[3] / mean, solved[4] / mean],
     };
-    Some((total - levels.dot(&right), model))
+    Some((total - solved.dot(&right), model))
 }

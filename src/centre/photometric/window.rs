@@ -1,7 +1,7 @@
-//! The pixels a ring is fitted to: a rectangle of the frame, binned where the blur allows it.
+//! The pixels a ring is fitted to: a rectangle of the frame, linearised, and binned where the blur allows it.
 
-use crate::frame::{Frame, Pixel, Pixels, Plane};
-use std::ops::Range;
+use super::coverage::LANES;
+use crate::frame::{Frame, Linear, Pixel, Pixels, Plane};
 
 /// The places of a window's pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,47 +29,10 @@ impl Grid {
         self.top_px + row as f64 * self.pixel_px
     }
 
-    /// Rows and columns exchanged.
-    pub(super) fn transposed(&self) -> Self {
-        Self {
-            left_px: self.top_px,
-            top_px: self.left_px,
-            pixel_px: self.pixel_px,
-            width: self.height,
-            height: self.width,
-        }
+    /// Pixels from one row to the next in a window's buffers: rows are padded to whole vectors.
+    pub(super) fn stride(&self) -> usize {
+        (self.width + LANES).next_multiple_of(LANES)
     }
-
-    /// Rows whose centres lie between two heights, px of the frame.
-    pub(super) fn rows_within(&self, first_px: f64, last_px: f64) -> Range<usize> {
-        let place = |y: f64| (y - self.top_px) / self.pixel_px;
-        indices_within(place(first_px), place(last_px), self.height)
-    }
-
-    /// Columns whose centres lie between two places, px of the frame; where there are none, those that would be next.
-    pub(super) fn columns_within(&self, first_px: f64, last_px: f64) -> Range<usize> {
-        let place = |x: f64| (x - self.left_px) / self.pixel_px;
-        indices_within(place(first_px), place(last_px), self.width)
-    }
-}
-
-/// Whole numbers between two, of 0..count.
-fn indices_within(first: f64, last: f64, count: usize) -> Range<usize> {
-    // a cast of a float truncates and saturates: below zero it is zero
-    let whole = first as usize;
-    let first = (if (whole as f64) < first {
-        whole.saturating_add(1)
-    } else {
-        whole
-    })
-    .min(count);
-    let past = if last < 0.0 {
-        0
-    } else {
-        (last as usize).saturating_add(1)
-    }
-    .min(count);
-    first..past.max(first)
 }
 
 /// A rectangle of the frame in frame pixels: first column and row, width and height.
@@ -85,29 +48,36 @@ pub struct Rectangle {
     pub height: usize,
 }
 
-/// Grey values of a window, 0..1, and which of them are believed.
+/// Which end of the sensor's range a pixel stands at: its light is at least, or at most, what it says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Nothing lighter can be told.
+    Top,
+    /// Nothing darker can be told.
+    Bottom,
+}
+
+/// Light of a window's pixels, and which of them are believed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Window {
     /// Where they are.
     pub grid: Grid,
-    /// Row by row.
-    pub values: Vec<f64>,
-    /// 1 for a pixel that counts, 0 for one that shows something else or is clipped.
-    pub weights: Vec<f64>,
+    /// Light, 1 at full scale; row by row, rows padded to [`Grid::stride`].
+    pub(super) values: Vec<f32>,
+    /// 1 for a pixel that counts, 0 for one that shows something else, is censored or pads a row.
+    pub(super) weights: Vec<f32>,
+    /// Pixels that were clipped (at least one of those binned), by their index.
+    pub(super) censored: Vec<(usize, End)>,
 }
 
 impl Window {
-    /// Cuts a window out of a frame, each of its pixels the mean of `bin` x `bin`. Pixels of which `counts` says no, and those
-    /// at the ends of the frame's range, do not count. `None` where nothing is left.
-    pub fn cut(
-        frame: &Frame,
-        rectangle: Rectangle,
-        bin: usize,
-        counts: impl Fn(f64, f64) -> bool,
-    ) -> Option<Self> {
+    /// Cuts a window out of a frame, each of its pixels the mean light of `bin` x `bin`; `None` where nothing is left.
+    pub fn cut(frame: &Frame, rectangle: Rectangle, bin: usize, linear: &Linear) -> Option<Self> {
         match &frame.pixels {
-            Pixels::U8(plane) => Self::cut_plane(plane, rectangle, bin, (0, u8::MAX), counts),
-            Pixels::U16(plane) => Self::cut_plane(plane, rectangle, bin, (0, u16::MAX), counts),
+            Pixels::U8(plane) => Self::cut_plane(plane, rectangle, bin, (0, u8::MAX), |v| linear.of_u8(v)),
+            Pixels::U16(plane) => {
+                Self::cut_plane(plane, rectangle, bin, (0, u16::MAX), |v| linear.of_u16(v))
+            }
         }
     }
 
@@ -115,8 +85,8 @@ impl Window {
         plane: &Plane<T>,
         rectangle: Rectangle,
         bin: usize,
-        ends: (T, T),
-        counts: impl Fn(f64, f64) -> bool,
+        (bottom, top): (T, T),
+        light: impl Fn(T) -> f32,
     ) -> Option<Self> {
         let bin = bin.max(1);
         let grid = Grid {
@@ -126,33 +96,85 @@ impl Window {
             width: rectangle.width / bin,
             height: rectangle.height / bin,
         };
-        let size = grid.width * grid.height;
-        let (mut values, mut weights) = (Vec::with_capacity(size), Vec::with_capacity(size));
-        let area = (bin * bin) as f64;
+        let stride = grid.stride();
+        let mut values = vec![0.0_f32; stride * grid.height];
+        let mut weights = vec![0.0_f32; stride * grid.height];
+        let mut censored = Vec::new();
+        let scale = 1.0 / (bin * bin) as f32;
+        let columns = rectangle.x..rectangle.x + grid.width * bin;
         for row in 0..grid.height {
-            for column in 0..grid.width {
-                let (x, y) = (rectangle.x + column * bin, rectangle.y + row * bin);
-                let (mut sum, mut clipped) = (0.0, false);
-                for line in y..y + bin {
-                    for &pixel in &plane.row(line)[x..x + bin] {
-                        sum += f64::from(pixel.unit());
-                        clipped |= pixel <= ends.0 || pixel >= ends.1;
+            let start = row * stride;
+            let values = &mut values[start..start + grid.width];
+            let (mut highest, mut lowest) = (bottom, top);
+            for line in 0..bin {
+                let pixels = &plane.row(rectangle.y + row * bin + line)[columns.clone()];
+                for &pixel in pixels {
+                    highest = if pixel > highest { pixel } else { highest };
+                    lowest = if pixel < lowest { pixel } else { lowest };
+                }
+                if bin == 1 {
+                    let pairs = values.iter_mut().zip(pixels);
+                    pairs.for_each(|(value, &pixel)| *value = light(pixel));
+                } else {
+                    for (value, pixels) in values.iter_mut().zip(pixels.chunks_exact(bin)) {
+                        *value += pixels.iter().map(|&pixel| light(pixel)).sum::<f32>();
                     }
                 }
-                values.push(sum / area);
-                let believed = !clipped && counts(grid.x(column), grid.y(row));
-                weights.push(if believed { 1.0 } else { 0.0 });
+            }
+            if bin > 1 {
+                values.iter_mut().for_each(|value| *value *= scale);
+            }
+            weights[start..start + grid.width].fill(1.0);
+            if highest < top && lowest > bottom {
+                continue;
+            }
+            for column in 0..grid.width {
+                let lines = (0..bin).map(|line| plane.row(rectangle.y + row * bin + line));
+                let mut pixels = lines.flat_map(|line| {
+                    let first = rectangle.x + column * bin;
+                    &line[first..first + bin]
+                });
+                let end = pixels.find_map(|&pixel| match pixel {
+                    pixel if pixel >= top => Some(End::Top),
+                    pixel if pixel <= bottom => Some(End::Bottom),
+                    _ => None,
+                });
+                if let Some(end) = end {
+                    censored.push((start + column, end));
+                    weights[start + column] = 0.0;
+                }
             }
         }
-        (size > 0).then_some(Self {
+        (grid.width > 0 && grid.height > 0).then_some(Self {
             grid,
             values,
             weights,
+            censored,
         })
     }
 
-    /// Pixels that count.
+    /// Leaves out the pixels of which `counts` (place in frame px) says no.
+    pub fn keep(&mut self, counts: impl Fn(f64, f64) -> bool) {
+        let (grid, stride) = (self.grid, self.grid.stride());
+        for row in 0..grid.height {
+            for column in 0..grid.width {
+                let weight = &mut self.weights[row * stride + column];
+                if *weight > 0.0 && !counts(grid.x(column), grid.y(row)) {
+                    *weight = 0.0;
+                }
+            }
+        }
+        self.censored
+            .retain(|&(at, _)| counts(grid.x(at % stride), grid.y(at / stride)));
+    }
+
+    /// Pixels that count, censored ones not among them.
     pub fn count(&self) -> usize {
         self.weights.iter().filter(|&&w| w > 0.0).count()
+    }
+
+    /// Light of a pixel.
+    pub fn value(&self, column: usize, row: usize) -> f64 {
+        f64::from(self.values[row * self.grid.stride() + column])
     }
 }

@@ -1,0 +1,85 @@
+//! The image of one circle of a ring as nodes along its outline.
+//!
+//! A blurred region is an integral along its outline (Green): with W the kernel summed up from the left,
+//! `B(x) = -integral W(x - X) dY`, and where a parameter moves the outline outwards by v a unit, `dB = integral K(x - X) v ds`.
+//! Both integrands are periodic and smooth in the angle that runs round the ellipse, and for such the trapezoidal rule is as
+//! exact as any: its error falls exponentially once the nodes are about as close as the kernel is wide.
+//!
+//! The outline is Q = 0 of `shape`; a parameter p moves it by v = -Q_p / |grad Q|. In the angle t, |dX/dt| / |grad Q| is the same
+//! everywhere: det L / (2 s), where X = m + L (cos t, sin t) and Q = (X - m)^T M (X - m) - s.
+
+use super::shape::{SHAPE_PARAMETERS, Shape};
+use super::window::Grid;
+
+/// Fewest and most nodes of an outline.
+const NODES: (f64, f64) = (24.0, 20_000.0);
+
+/// A point of an outline with its share of the integrals, in pixels of a window's grid.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Node {
+    /// Column.
+    pub(super) x: f32,
+    /// Row.
+    pub(super) y: f32,
+    /// -dY: weight of the kernel's sum from the left.
+    pub(super) rise: f32,
+    /// v ds for each parameter of the shape: weights of the kernel.
+    pub(super) sweep: [f32; SHAPE_PARAMETERS],
+}
+
+/// Replaces `nodes` by those of the circle of `radius` (in outer radii), at most `spacing` pixels of the grid apart; `None` where
+/// its image is no ellipse.
+pub(super) fn trace(
+    nodes: &mut Vec<Node>,
+    grid: &Grid,
+    shape: &Shape,
+    radius: f64,
+    spacing: f64,
+) -> Option<()> {
+    let ellipse = shape.ellipse(radius)?;
+    let scale = 1.0 / grid.pixel_px;
+    let square = radius * radius;
+    let (sin, cos) = ellipse.angle.sin_cos();
+    let (major, minor) = ([ellipse.major * cos, ellipse.major * sin], [
+        -ellipse.minor * sin,
+        ellipse.minor * cos,
+    ]);
+    let middle = ellipse.centre - shape.centre;
+    let length = std::f64::consts::TAU * ellipse.major * scale;
+    let count = (length / spacing).ceil().clamp(NODES.0, NODES.1);
+    let step = std::f64::consts::TAU / count;
+    // s = m^T M m + a^2 of the completed square
+    let (_, l) = shape.quadric(radius);
+    let s = square - l.dot(&middle);
+    let share = ellipse.major * ellipse.minor / (2.0 * s) * step * scale * scale;
+    let [xx, xy, yy] = shape.affine;
+    let q = shape.perspective;
+    let (turn_sin, turn_cos) = step.sin_cos();
+    let (mut c, mut w) = (1.0_f64, 0.0_f64);
+    nodes.clear();
+    for _ in 0..count as usize {
+        let (x, y) = (
+            middle.x + major[0] * c + minor[0] * w,
+            middle.y + major[1] * c + minor[1] * w,
+        );
+        let rise = minor[1] * c - major[1] * w;
+        let depth = 2.0 * square * (1.0 - q.x * x - q.y * y);
+        let by_parameter = [
+            -2.0 * (xx * x + xy * y) - depth * q.x,
+            -2.0 * (xy * x + yy * y) - depth * q.y,
+            x * x,
+            2.0 * x * y,
+            y * y,
+            depth * x,
+            depth * y,
+        ];
+        nodes.push(Node {
+            x: ((x + shape.centre.x - grid.left_px) * scale) as f32,
+            y: ((y + shape.centre.y - grid.top_px) * scale) as f32,
+            rise: (-rise * step * scale) as f32,
+            sweep: by_parameter.map(|derivative| (-derivative * share) as f32),
+        });
+        (c, w) = (c * turn_cos - w * turn_sin, w * turn_cos + c * turn_sin);
+    }
+    Some(())
+}

@@ -1,0 +1,174 @@
+//! Residuals of a window under a model, and their normal equations.
+
+use super::censored::Censored;
+use super::blur::Blur;
+use super::coverage::Coverage;
+use super::gram::{Gradient, Gram};
+use super::model::{Matrix, RingModel, Row, Vector};
+use super::shape::Shape;
+use super::window::Window;
+use pulp::Arch;
+
+/// What is fitted to what.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Problem<'a> {
+    /// The pixels.
+    pub(super) window: &'a Window,
+    /// Inner over outer radius on the board.
+    pub(super) ratio: f64,
+    /// Coverages of the rings around this one by their outer and inner circles, in the window's padded rows.
+    pub(super) around: Option<&'a [Vec<f32>; 2]>,
+    /// Standard deviation of a pixel's noise, which says how far beyond the end of the range a clipped pixel may be.
+    pub(super) noise: f64,
+}
+
+/// Room for fits, to be used again and again by one thread.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    pub(super) coverage: Coverage,
+    row: Row,
+    arch: Arch,
+}
+
+impl Default for Workspace {
+    fn default() -> Self {
+        Self {
+            coverage: Coverage::default(),
+            row: Row::default(),
+            arch: Arch::new(),
+        }
+    }
+}
+
+/// Sum of squares, gradient and normal matrix at one point.
+#[derive(Debug, Clone)]
+pub(super) struct Normal {
+    pub(super) squares: f64,
+    pub(super) gradient: Vector,
+    pub(super) matrix: Matrix,
+}
+
+impl Workspace {
+    /// Runs `work` compiled for the widest vectors this machine has.
+    fn dispatch<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
+        let arch = self.arch;
+        arch.dispatch(Job(self, work))
+    }
+
+    /// Everything at a model: coverages with their changes and the normal equations; `None` where the shape is no ring.
+    pub(super) fn normal(&mut self, problem: &Problem, model: &RingModel) -> Option<Normal> {
+        self.dispatch(
+            #[inline(always)]
+            |room| {
+                let grid = &problem.window.grid;
+                let contrasts = Some(model.contrasts());
+                let (shape, blur) = (&model.shape, &model.blur);
+                let (ratio, around) = (problem.ratio, problem.around);
+                room.coverage.fill(grid, (shape, blur), ratio, contrasts, around)?;
+                let mut gram = Gram::new();
+                let mut beyond = 0.0;
+                for row in 0..grid.height {
+                    beyond += room.fill_row(problem, model, row);
+                    gram.add(&room.row);
+                }
+                let (matrix, gradient, squares) = gram.finish();
+                let squares = squares + beyond;
+                let finite = squares.is_finite() && matrix.iter().all(|v| v.is_finite());
+                finite.then_some(Normal {
+                    squares,
+                    gradient,
+                    matrix,
+                })
+            },
+        )
+    }
+
+    /// Sum of squares at a model, and the gradient with the changes of an earlier one; `None` where the shape is no ring.
+    pub(super) fn gradient(&mut self, problem: &Problem, model: &RingModel) -> Option<(Vector, f64)> {
+        self.dispatch(
+            #[inline(always)]
+            |room| {
+                let grid = &problem.window.grid;
+                let (shape, blur) = (&model.shape, &model.blur);
+                let (ratio, around) = (problem.ratio, problem.around);
+                room.coverage.fill(grid, (shape, blur), ratio, None, around)?;
+                let mut sums = Gradient::new();
+                let mut beyond = 0.0;
+                for row in 0..grid.height {
+                    beyond += room.fill_row(problem, model, row);
+                    sums.add(&room.row);
+                }
+                let (gradient, squares) = sums.finish();
+                let squares = squares + beyond;
+                squares.is_finite().then_some((gradient, squares))
+            },
+        )
+    }
+
+    /// Coverages of a window by both circles of a ring, in padded rows; `None` where they are no ellipses.
+    pub(super) fn circles(
+        &mut self,
+        window: &Window,
+        shape: &Shape,
+        blur: &Blur,
+        ratio: f64,
+    ) -> Option<&[Vec<f32>; 2]> {
+        self.dispatch(
+            #[inline(always)]
+            |room| room.coverage.fill(&window.grid, (shape, blur), ratio, None, None),
+        )?;
+        Some(&self.coverage.circles)
+    }
+
+    /// Coverages of both circles of a ring over a window, added to `planes`.
+    pub(super) fn add_coverage(
+        &mut self,
+        planes: &mut [Vec<f32>; 2],
+        window: &Window,
+        model: &RingModel,
+        ratio: f64,
+    ) -> Option<()> {
+        let circles = self.circles(window, &model.shape, &model.blur, ratio)?;
+        for (sum, own) in planes.iter_mut().zip(circles) {
+            for (sum, own) in sum.iter_mut().zip(own) {
+                *sum += own;
+            }
+        }
+        Some(())
+    }
+
+    /// Derivatives and residuals of one row. Returns what censored pixels add to the sum of squares beyond their residuals.
+    #[inline(always)]
+    fn fill_row(&mut self, problem: &Problem, model: &RingModel, row: usize) -> f64 {
+        let Self { coverage, row: out, .. } = self;
+        let window = problem.window;
+        let (grid, stride) = (&window.grid, window.grid.stride());
+        let span = row * stride..(row + 1) * stride;
+        let weights = &window.weights[span.clone()];
+        out.fill(model, grid, row, coverage, weights);
+        let [outer, inner] = &coverage.circles;
+        let circles = [&outer[span.clone()], &inner[span.clone()]];
+        let residuals = out.residuals_mut();
+        model.light(grid, row, circles, residuals);
+        let values = &window.values[span.clone()];
+        for i in 0..stride {
+            residuals[i] = weights[i] * (values[i] - residuals[i]);
+        }
+        if window.censored.is_empty() {
+            return 0.0;
+        }
+        Censored::new(problem, model, coverage).patch(span, out)
+    }
+}
+
+/// Work with its room, as the dispatcher takes it.
+struct Job<'a, F>(&'a mut Workspace, F);
+
+impl<R, F: FnOnce(&mut Workspace) -> R> pulp::NullaryFnOnce for Job<'_, F> {
+    type Output = R;
+
+    #[inline(always)]
+    fn call(self) -> R {
+        self.1(self.0)
+    }
+}

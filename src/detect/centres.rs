@@ -4,13 +4,10 @@ use super::detection::Ring;
 use super::grid::Placed;
 use crate::board::Board;
 use crate::camera::homography::fit_homography;
-use crate::centre::photometric::{
-    PsfChoice, RingFitted, RingStart, Workspace, measure_ring, share_perspective,
-};
+use crate::centre::photometric::{BoardPlace, BoardStart, PsfChoice, measure_board};
 use crate::centre::{Centre, CentreEstimator, Cross, Estimator, RingEllipses};
 use crate::frame::{Frame, Linear};
 use nalgebra::{Matrix3, Point2};
-use rayon::prelude::*;
 
 /// The rings of a board with their centres; `sign` is 1 for dark rings, -1 for light ones. A ring whose ellipses have no
 /// projected centre is left out.
@@ -47,32 +44,31 @@ fn constructed(placed: &Placed, construction: &dyn CentreEstimator) -> Option<Ri
         })
 }
 
-/// Fits every ring's grey values, then shares the perspective among them. A ring that has no fit gets the paper's centre,
-/// without a covariance.
+/// Measures every ring by its grey values. A ring that cannot be measured so gets the paper's centre, without a covariance.
 fn photometric(frame: &Frame, board: &Board, placed: &[Placed], sign: f64) -> Vec<Ring> {
     let linear = Linear::new(1.0, false);
-    let fits: Vec<Option<RingFitted>> = placed
-        .par_iter()
-        .map_init(Workspace::default, |room, ring| {
-            let start = RingStart {
-                outline: ring.ellipses.outer,
-                sigma_px: ring.blur_sigma_px,
-                ratio: board.radius_ratio(),
-                sign,
-                psf: PsfChoice::Auto,
-                linear: &linear,
-            };
-            measure_ring(frame, &start, room).ok()
+    let places: Vec<BoardPlace> = placed
+        .iter()
+        .map(|ring| BoardPlace {
+            plane_m: Point2::from(board.centre_m(ring.row, ring.column)),
+            outline: ring.ellipses.outer,
+            sigma_px: ring.blur_sigma_px,
         })
         .collect();
-    let fitted: Vec<RingFitted> = fits.iter().flatten().copied().collect();
-    let mut shared = shared_centres(board, placed, &fits, &fitted).into_iter();
+    let start = BoardStart {
+        places: &places,
+        ratio: board.radius_ratio(),
+        sign,
+        psf: PsfChoice::Auto,
+        linear: &linear,
+    };
+    let measured = measure_board(frame, &start);
     placed
         .iter()
-        .zip(&fits)
-        .filter_map(|(ring, fit)| match fit {
-            Some(fit) => {
-                let shape = fit.model.shape;
+        .zip(measured.rings)
+        .filter_map(|(ring, measured)| match measured {
+            Ok(measured) => {
+                let shape = measured.fitted.model.shape;
                 let ellipses = RingEllipses {
                     inner: shape.ellipse(board.radius_ratio())?,
                     outer: shape.ellipse(1.0)?,
@@ -80,41 +76,15 @@ fn photometric(frame: &Frame, board: &Board, placed: &[Placed], sign: f64) -> Ve
                 Some(Ring {
                     row: ring.row,
                     column: ring.column,
-                    centre: shared.next()?,
+                    centre: Centre {
+                        point: measured.centre,
+                        covariance: Some(measured.covariance),
+                    },
                     ellipses,
-                    blur_sigma_px: fit.model.blur.sigma_px(),
+                    blur_sigma_px: measured.fitted.model.blur.sigma_px(),
                 })
             }
-            None => constructed(ring, &Cross::default()),
-        })
-        .collect()
-}
-
-/// The centres of the fitted rings, in their order.
-fn shared_centres(
-    board: &Board,
-    placed: &[Placed],
-    fits: &[Option<RingFitted>],
-    fitted: &[RingFitted],
-) -> Vec<Centre> {
-    let pairs: Vec<_> = placed
-        .iter()
-        .zip(fits)
-        .filter_map(|(ring, fit)| {
-            let plane = Point2::from(board.centre_m(ring.row, ring.column));
-            Some((plane, (*fit)?.model.shape.centre))
-        })
-        .collect();
-    let alone = |ring: &RingFitted| (ring.model.shape.centre, ring.centre_covariance());
-    let centres = match fit_homography(&pairs) {
-        Some(homography) => share_perspective(fitted, &homography),
-        None => fitted.iter().map(alone).collect(),
-    };
-    centres
-        .into_iter()
-        .map(|(point, covariance)| Centre {
-            point,
-            covariance: Some(covariance),
+            Err(_) => constructed(ring, &Cross::default()),
         })
         .collect()
 }

@@ -1,58 +1,43 @@
 //! How much of each pixel's light comes from inside the two circles of a ring, after blur and pixel integration, and how that
 //! changes with the ring's parameters.
 //!
-//! Every node of an outline (`boundary`) lays a stamp on the pixels that its kernel reaches: `gaussian` and `disc` make the
-//! stamps. Pixels to the right of a stamp all get the same; that is noted once at its end (`steps`) and summed along the
-//! rows when all stamps are laid. Rows are padded so that stamps have whole vectors of pixels.
+//! Every node of an outline (`boundary`) lays a stamp on the pixels that its kernel reaches: `gaussian` and `disc` know the
+//! stamps. They are laid row by row and, in a row, vector by vector of pixels, so that the sums over all nodes stay in
+//! registers. Pixels to the right of a stamp all get the same: that is summed once for each vector.
 
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
+use super::disc::Disc;
+use super::gaussian::Gaussian;
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
-use super::{disc, gaussian};
 
-/// Pixels that are computed at once; stamps are padded to whole multiples.
+/// Pixels that are computed at once; rows are padded to whole multiples.
 pub(super) const LANES: usize = 8;
+/// A vector of pixels.
+pub(super) type Lanes = [f32; LANES];
 /// What a ring changes with: its shape, then its blur.
 pub(super) const COVERAGE_PARAMETERS: usize = SHAPE_PARAMETERS + 1;
 
 /// One picture of the window, rows padded.
-type Plane = Vec<f32>;
-
-/// The coverages of a ring over a window, to be filled again and again.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Coverage {
-    width: usize,
-    height: usize,
-    stride: usize,
-    /// By the outer and the inner circle.
-    pub(super) circles: [Plane; 2],
-    /// Change of the grey by each parameter, for the contrasts it was computed with.
-    pub(super) changes: [Plane; COVERAGE_PARAMETERS],
-    /// What begins at a pixel and holds for the rest of its row: coverage, and its change by the blur.
-    steps: [Plane; 2],
-    nodes: Vec<Node>,
-    room: Room,
-}
-
-/// Room for the stamps of one node.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Room {
-    pub(super) gaussian: gaussian::Room,
-    pub(super) disc: disc::Room,
-}
+pub(super) type Plane = Vec<f32>;
 
 /// Contrasts across the two circles: ring minus paper, inside minus ring.
 pub(super) type Contrasts = [f64; 2];
 
-impl Coverage {
-    /// Makes room for a window.
-    pub(super) fn fit_to(&mut self, grid: &Grid) {
-        self.width = grid.width;
-        self.height = grid.height;
-        self.stride = grid.stride();
-    }
+/// The coverages of a ring over a window, to be filled again and again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Coverage {
+    /// By the outer and the inner circle.
+    pub(super) circles: [Plane; 2],
+    /// Change of the grey by each parameter, for the contrasts it was computed with.
+    pub(super) changes: [Plane; COVERAGE_PARAMETERS],
+    nodes: Vec<Node>,
+    gaussian: Gaussian,
+    disc: Disc,
+}
 
+impl Coverage {
     /// Coverages of the two circles of a ring of inner over outer radius `ratio`, on top of what `base` holds (of the rings around
     /// it); `None` where they are no ellipses. With `contrasts` also the changes of the grey.
     #[inline(always)]
@@ -64,193 +49,164 @@ impl Coverage {
         contrasts: Option<Contrasts>,
         base: Option<&[Plane; 2]>,
     ) -> Option<()> {
-        self.fit_to(grid);
-        let size = self.stride * self.height;
+        let size = grid.stride() * grid.height;
+        for (circle, plane) in self.circles.iter_mut().enumerate() {
+            plane.clear();
+            match base {
+                Some(base) => plane.extend_from_slice(&base[circle]),
+                None => plane.resize(size, 0.0),
+            }
+        }
         if contrasts.is_some() {
             for plane in &mut self.changes {
-                clear(plane, size);
+                plane.clear();
+                plane.resize(size, 0.0);
             }
-            clear(&mut self.steps[1], size);
         }
         for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
-            clear(&mut self.circles[circle], size);
-            clear(&mut self.steps[0], size);
-            let spacing = match blur.psf {
-                Psf::Gaussian => gaussian::spacing(blur.size_px / grid.pixel_px),
-                Psf::Disc => disc::spacing(blur.size_px / grid.pixel_px),
-            };
-            let mut nodes = std::mem::take(&mut self.nodes);
-            let traced = trace(&mut nodes, grid, shape, radius, spacing);
             let contrast = contrasts.map(|both| both[circle] as f32);
-            if traced.is_some() {
-                self.stamp(&nodes, grid, circle, blur, contrast);
-                self.sum_steps(circle);
+            let kernel_size = blur.size_px / grid.pixel_px;
+            match blur.psf {
+                Psf::Gaussian => {
+                    let spacing = Gaussian::spacing(kernel_size);
+                    trace(&mut self.nodes, grid, shape, radius, spacing)?;
+                    self.gaussian.prepare(grid, &self.nodes, kernel_size);
+                    let nodes = &self.nodes;
+                    let kernel = &self.gaussian;
+                    lay(kernel, nodes, grid, &mut self.circles[circle], &mut self.changes, contrast);
+                }
+                Psf::Disc => {
+                    let spacing = Disc::spacing(kernel_size);
+                    trace(&mut self.nodes, grid, shape, radius, spacing)?;
+                    self.disc.prepare(grid, &self.nodes, kernel_size);
+                    let nodes = &self.nodes;
+                    let kernel = &self.disc;
+                    lay(kernel, nodes, grid, &mut self.circles[circle], &mut self.changes, contrast);
+                }
             }
-            self.nodes = nodes;
-            traced?;
-            if let Some(base) = base {
-                let own = self.circles[circle].iter_mut();
-                own.zip(&base[circle]).for_each(|(own, base)| *own += base);
-            }
-        }
-        if contrasts.is_some() {
-            let steps = &self.steps[1];
-            sum_rows(&mut self.changes[SHAPE_PARAMETERS], steps, self.stride);
         }
         Some(())
     }
-
-    #[inline(always)]
-    fn stamp(
-        &mut self,
-        nodes: &[Node],
-        grid: &Grid,
-        circle: usize,
-        blur: &Blur,
-        contrast: Option<f32>,
-    ) {
-        let size = blur.size_px / grid.pixel_px;
-        let mut room = std::mem::take(&mut self.room);
-        let mut target = Target {
-            width: self.width,
-            height: self.height,
-            stride: self.stride,
-            values: &mut self.circles[circle],
-            changes: &mut self.changes,
-            steps: &mut self.steps,
-            contrast,
-        };
-        match blur.psf {
-            Psf::Gaussian => gaussian::stamp(&mut target, nodes, size, &mut room.gaussian),
-            Psf::Disc => disc::stamp(&mut target, nodes, size, &mut room.disc),
-        }
-        self.room = room;
-    }
-
-    #[inline(always)]
-    fn sum_steps(&mut self, circle: usize) {
-        sum_rows(&mut self.circles[circle], &self.steps[0], self.stride);
-    }
 }
 
-fn clear(plane: &mut Plane, size: usize) {
-    plane.clear();
-    plane.resize(size, 0.0);
+/// A blur's stamps of the nodes of one outline.
+pub(super) trait Kernel {
+    /// One row of a node's stamp.
+    type Row: Copy;
+
+    /// The row of node `j`'s stamp in row `i` of the window, and the vectors of pixels it touches; `None` where it does not reach.
+    fn row(&self, node: &Node, j: usize, i: usize) -> Option<(Self::Row, Reach)>;
+
+    /// Sum of the kernel from the left over a vector of pixels.
+    fn sum(&self, row: &Self::Row, node: &Node, j: usize, vector: usize) -> Lanes;
+
+    /// Sum from the left, the kernel itself, and the change of the sum by the blur's size.
+    fn all(&self, row: &Self::Row, node: &Node, j: usize, vector: usize) -> [Lanes; 3];
+
+    /// What every pixel beyond the stamp gets: of the sum, and of its change.
+    fn beyond(&self, row: &Self::Row) -> [f32; 2];
 }
 
-/// Adds to every pixel the steps of its row up to it; four rows side by side, because each sum waits for the one before.
+/// Vectors of pixels from `first` up to `past`.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    pub(super) first: usize,
+    pub(super) past: usize,
+}
+
+/// Vectors of a row within `reach` of a column; those before get nothing, those behind all.
 #[inline(always)]
-fn sum_rows(plane: &mut [f32], steps: &[f32], stride: usize) {
-    let mut rows = plane.chunks_exact_mut(4 * stride);
-    let mut row_steps = steps.chunks_exact(4 * stride);
-    for (four, steps) in (&mut rows).zip(&mut row_steps) {
-        let mut sums = [0.0_f32; 4];
-        for x in 0..stride {
-            for (k, sum) in sums.iter_mut().enumerate() {
-                *sum += steps[k * stride + x];
-                four[k * stride + x] += *sum;
+pub(super) fn vectors_within(x: f32, reach: f32, vectors: usize) -> Reach {
+    let most = (vectors * LANES) as f32;
+    let first = ((x - reach).ceil().clamp(0.0, most) as usize / LANES).min(vectors);
+    let past = ((x + reach).floor() + 1.0).clamp(0.0, most) as usize;
+    Reach {
+        first,
+        past: past.div_ceil(LANES).max(first),
+    }
+}
+
+/// A stamp's row with what it is multiplied with.
+#[derive(Clone, Copy)]
+struct Active<R> {
+    row: R,
+    j: usize,
+    reach: Reach,
+}
+
+#[inline(always)]
+fn lay<K: Kernel>(
+    kernel: &K,
+    nodes: &[Node],
+    grid: &Grid,
+    values: &mut Plane,
+    changes: &mut [Plane; COVERAGE_PARAMETERS],
+    contrast: Option<f32>,
+) {
+    let stride = grid.stride();
+    let vectors = stride / LANES;
+    let mut active: Vec<Active<K::Row>> = Vec::with_capacity(nodes.len());
+    let mut beyond = vec![[0.0_f32; 2]; vectors + 1];
+    for i in 0..grid.height {
+        active.clear();
+        beyond.fill([0.0; 2]);
+        for (j, node) in nodes.iter().enumerate() {
+            if let Some((row, reach)) = kernel.row(node, j, i) {
+                let [sum, change] = kernel.beyond(&row);
+                beyond[reach.past][0] += node.rise * sum;
+                beyond[reach.past][1] += node.rise * change;
+                active.push(Active { row, j, reach });
+            }
+        }
+        let mut constant = [0.0_f32; 2];
+        for vector in 0..vectors {
+            constant[0] += beyond[vector][0];
+            constant[1] += beyond[vector][1];
+            let at = i * stride + vector * LANES;
+            let here = active.iter().filter(|a| a.reach.first <= vector && vector < a.reach.past);
+            match contrast {
+                None => {
+                    let mut total = [constant[0]; LANES];
+                    for a in here {
+                        let node = &nodes[a.j];
+                        let sum = kernel.sum(&a.row, node, a.j, vector);
+                        for l in 0..LANES {
+                            total[l] += node.rise * sum[l];
+                        }
+                    }
+                    add(&mut values[at..at + LANES], 1.0, &total);
+                }
+                Some(contrast) => {
+                    let mut total = [constant[0]; LANES];
+                    let mut by_blur = [constant[1]; LANES];
+                    let mut by_shape = [[0.0_f32; LANES]; SHAPE_PARAMETERS];
+                    for a in here {
+                        let node = &nodes[a.j];
+                        let [sum, share, change] = kernel.all(&a.row, node, a.j, vector);
+                        for l in 0..LANES {
+                            total[l] += node.rise * sum[l];
+                            by_blur[l] += node.rise * change[l];
+                        }
+                        for (by, sweep) in by_shape.iter_mut().zip(&node.sweep) {
+                            for l in 0..LANES {
+                                by[l] += sweep * share[l];
+                            }
+                        }
+                    }
+                    add(&mut values[at..at + LANES], 1.0, &total);
+                    for (plane, by) in changes.iter_mut().zip(&by_shape) {
+                        add(&mut plane[at..at + LANES], contrast, by);
+                    }
+                    add(&mut changes[SHAPE_PARAMETERS][at..at + LANES], contrast, &by_blur);
+                }
             }
         }
     }
-    let rest = rows.into_remainder().chunks_exact_mut(stride);
-    for (row, steps) in rest.zip(row_steps.remainder().chunks_exact(stride)) {
-        let mut sum = 0.0;
-        for (pixel, step) in row.iter_mut().zip(steps) {
-            sum += step;
-            *pixel += sum;
-        }
-    }
-}
-
-/// Where the stamps of one outline go.
-pub(super) struct Target<'a> {
-    pub(super) width: usize,
-    pub(super) height: usize,
-    stride: usize,
-    values: &'a mut Plane,
-    changes: &'a mut [Plane; COVERAGE_PARAMETERS],
-    steps: &'a mut [Plane; 2],
-    /// Contrast across the outline; `None` where no changes are wanted.
-    pub(super) contrast: Option<f32>,
-}
-
-impl Target<'_> {
-    /// Columns (padded to whole vectors) and rows that a kernel of this reach about a node touches; `None` where it touches none.
-    /// All columns right of them get its steps.
-    #[inline(always)]
-    pub(super) fn reached(&self, node: &Node, reach: f32) -> Option<Reached> {
-        let clamp = |v: f32, size: usize| v.clamp(0.0, size as f32) as usize;
-        let first_row = clamp((node.y - reach).ceil(), self.height);
-        let past_row = clamp((node.y + reach).floor() + 1.0, self.height);
-        let first = clamp((node.x - reach).ceil(), self.width);
-        let past = clamp((node.x + reach).floor() + 1.0, self.width);
-        let empty = first_row >= past_row || node.x - reach > self.width as f32 - 1.0;
-        (!empty).then(|| Reached {
-            first_row,
-            past_row,
-            first,
-            padded: past.saturating_sub(first).next_multiple_of(LANES),
-        })
-    }
-
-    /// Adds the sum from the left: `factor` times `sum`, and `factor` times `total` to all beyond.
-    #[inline(always)]
-    pub(super) fn add_value(&mut self, at: Place, factor: f32, sum: &[f32], total: f32) {
-        let start = at.row * self.stride + at.column;
-        add(&mut self.values[start..start + sum.len()], factor, sum);
-        self.step(0, start + sum.len(), at, sum.len(), factor * total);
-    }
-
-    /// The same for the change by the blur.
-    #[inline(always)]
-    pub(super) fn add_blur(&mut self, at: Place, factor: f32, sum: &[f32], total: f32) {
-        let start = at.row * self.stride + at.column;
-        let plane = &mut self.changes[SHAPE_PARAMETERS];
-        add(&mut plane[start..start + sum.len()], factor, sum);
-        self.step(1, start + sum.len(), at, sum.len(), factor * total);
-    }
-
-    /// Adds the kernel to the changes by the shape, `factor` times its weight for each parameter.
-    #[inline(always)]
-    pub(super) fn add_sweep(&mut self, at: Place, factor: f32, sweep: &[f32], kernel: &[f32]) {
-        let start = at.row * self.stride + at.column;
-        for (plane, weight) in self.changes[..SHAPE_PARAMETERS].iter_mut().zip(sweep) {
-            add(&mut plane[start..start + kernel.len()], factor * weight, kernel);
-        }
-    }
-
-    #[inline(always)]
-    fn step(&mut self, which: usize, index: usize, at: Place, length: usize, value: f32) {
-        if at.column + length < self.stride {
-            self.steps[which][index] += value;
-        }
-    }
-}
-
-/// What a stamp touches.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reached {
-    pub(super) first_row: usize,
-    pub(super) past_row: usize,
-    /// First column.
-    pub(super) first: usize,
-    /// Columns, a multiple of [`LANES`].
-    pub(super) padded: usize,
-}
-
-/// Row and first column of one row of a stamp.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Place {
-    pub(super) row: usize,
-    pub(super) column: usize,
 }
 
 #[inline(always)]
-fn add(target: &mut [f32], factor: f32, source: &[f32]) {
-    let sources = source.chunks_exact(LANES);
-    for (target, source) in target.chunks_exact_mut(LANES).zip(sources) {
-        for (t, s) in target.iter_mut().zip(source) {
-            *t += factor * s;
-        }
+fn add(target: &mut [f32], factor: f32, source: &Lanes) {
+    for (t, s) in target.iter_mut().zip(source) {
+        *t += factor * s;
     }
 }

@@ -1,8 +1,9 @@
 //! Stamps of a Gaussian blur, integrated over the pixels: separable, so a stamp is a column times a row.
 
 use super::boundary::Node;
-use super::coverage::{LANES, Place, Target};
+use super::coverage::{Kernel, LANES, Lanes, Reach, vectors_within};
 use super::normal::density_and_cumulative;
+use super::window::Grid;
 
 /// The kernel is zero beyond this many standard deviations: 1e-5 of it is cut off.
 const REACH: f32 = 4.4;
@@ -11,97 +12,153 @@ const SPACING: f64 = 1.3;
 /// Blur below this is taken as this, pixels of the grid: the pixel's own box hides it.
 const LEAST_SIGMA: f64 = 0.03;
 
-/// How close the nodes of an outline must be, pixels of the grid.
-pub(super) fn spacing(sigma: f64) -> f64 {
-    SPACING * sigma.max(LEAST_SIGMA)
+/// The stamps of the nodes of one outline: of each its row and its column.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Gaussian {
+    across: Vec<Across>,
+    /// Where each node's vectors begin in `across`, and which of the window they are.
+    reaches: Vec<(usize, Reach)>,
+    /// Share of the kernel in each row and its change by sigma, node after node.
+    down: Vec<[f32; 2]>,
+    /// Where each node's rows begin in `down`, and which of the window they are.
+    rows: Vec<(usize, usize, usize)>,
 }
 
-/// Room for one node's row and column.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Room {
-    across: Axis,
-    down: Axis,
-}
-
-/// The kernel along one axis, pixel by pixel.
-#[derive(Debug, Clone, Default)]
-struct Axis {
-    /// Normal density at the left edge of each pixel (and the last one's right edge).
-    density: Vec<f32>,
-    /// Normal distribution there.
-    cumulative: Vec<f32>,
-    /// Share of the kernel in each pixel.
-    share: Vec<f32>,
-    /// Change of the share by the standard deviation.
-    share_by_sigma: Vec<f32>,
+/// The kernel across a vector of pixels.
+#[derive(Debug, Clone, Copy)]
+struct Across {
     /// Share of all up to a pixel, averaged over it.
-    sum: Vec<f32>,
+    sum: Lanes,
+    /// Share of the kernel in each pixel.
+    share: Lanes,
     /// Change of the sum by the standard deviation.
-    sum_by_sigma: Vec<f32>,
+    sum_by_sigma: Lanes,
 }
 
-impl Axis {
+impl Gaussian {
+    /// How close the nodes of an outline must be, pixels of the grid.
+    pub(super) fn spacing(sigma: f64) -> f64 {
+        SPACING * sigma.max(LEAST_SIGMA)
+    }
+
+    /// Computes rows and columns of all nodes; `sigma` in pixels of the grid.
     #[inline(always)]
-    fn fill(&mut self, first: usize, count: usize, centre: f32, sigma: f32) {
+    pub(super) fn prepare(&mut self, grid: &Grid, nodes: &[Node], sigma: f64) {
+        let sigma = sigma.max(LEAST_SIGMA) as f32;
         let scale = 1.0 / sigma;
-        let begin = (first as f32 - 0.5 - centre) * scale;
-        let padded = (count + 1).next_multiple_of(LANES);
-        self.density.resize(padded, 0.0);
-        self.cumulative.resize(padded, 0.0);
-        let edges = self.density.iter_mut().zip(&mut self.cumulative);
-        for (i, (density, cumulative)) in edges.enumerate() {
-            (*density, *cumulative) = density_and_cumulative(begin + i as f32 * scale);
+        let reach = REACH * sigma + 0.5;
+        let vectors = grid.stride() / LANES;
+        let height = grid.height as f32;
+        self.across.clear();
+        self.reaches.clear();
+        self.down.clear();
+        self.rows.clear();
+        for node in nodes {
+            let first_row = (node.y - reach).ceil().clamp(0.0, height) as usize;
+            let past_row = ((node.y + reach).floor() + 1.0).clamp(0.0, height) as usize;
+            let past_row = past_row.max(first_row);
+            let touched = vectors_within(node.x, reach, vectors);
+            self.rows.push((self.down.len(), first_row, past_row));
+            self.reaches.push((self.across.len(), touched));
+            if first_row == past_row {
+                continue;
+            }
+            self.down_of(node.y, (first_row, past_row), scale);
+            for vector in touched.first..touched.past {
+                let begin = ((vector * LANES) as f32 - 0.5 - node.x) * scale;
+                self.across.push(Across::new(begin, scale, sigma));
+            }
         }
-        for v in [
-            &mut self.share,
-            &mut self.share_by_sigma,
-            &mut self.sum,
-            &mut self.sum_by_sigma,
-        ] {
-            v.resize(count, 0.0);
-        }
-        let (d0, d1) = (&self.density[..count], &self.density[1..count + 1]);
-        let (c0, c1) = (&self.cumulative[..count], &self.cumulative[1..count + 1]);
-        let (share, share_by_sigma) = (&mut self.share[..count], &mut self.share_by_sigma[..count]);
-        let (sum, sum_by_sigma) = (&mut self.sum[..count], &mut self.sum_by_sigma[..count]);
-        for i in 0..count {
-            let u = begin + i as f32 * scale;
-            let (bend, step) = (d1[i] - d0[i], c1[i] - c0[i]);
-            share[i] = step;
-            share_by_sigma[i] = scale * (u * d0[i] - (u + scale) * d1[i]);
-            sum_by_sigma[i] = bend;
-            sum[i] = sigma * (u * step + bend) + c1[i];
+    }
+
+    #[inline(always)]
+    fn down_of(&mut self, y: f32, (first, past): (usize, usize), scale: f32) {
+        let mut at = first;
+        while at < past {
+            let begin = (at as f32 - 0.5 - y) * scale;
+            let (density, cumulative) = edges(begin, scale);
+            let (next_density, next_cumulative) = edges(begin + scale, scale);
+            let mut shares = [[0.0; 2]; LANES];
+            for l in 0..LANES {
+                let u = begin + l as f32 * scale;
+                shares[l] = [
+                    next_cumulative[l] - cumulative[l],
+                    scale * (u * density[l] - (u + scale) * next_density[l]),
+                ];
+            }
+            self.down.extend_from_slice(&shares[..LANES.min(past - at)]);
+            at += LANES;
         }
     }
 }
 
-/// Lays the stamps of an outline; `sigma` in pixels of the grid.
+/// Normal density and distribution at `LANES` places from `begin` on.
 #[inline(always)]
-pub(super) fn stamp(target: &mut Target, nodes: &[Node], sigma: f64, room: &mut Room) {
-    let sigma = sigma.max(LEAST_SIGMA) as f32;
-    let reach = REACH * sigma + 0.5;
-    let Room { across, down } = room;
-    for node in nodes {
-        let Some(reached) = target.reached(node, reach) else {
-            continue;
+fn edges(begin: f32, scale: f32) -> (Lanes, Lanes) {
+    let (mut density, mut cumulative) = ([0.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        (density[l], cumulative[l]) = density_and_cumulative(begin + l as f32 * scale);
+    }
+    (density, cumulative)
+}
+
+impl Across {
+    #[inline(always)]
+    fn new(begin: f32, scale: f32, sigma: f32) -> Self {
+        let (d0, c0) = edges(begin, scale);
+        let (d1, c1) = edges(begin + scale, scale);
+        let mut across = Self {
+            sum: [0.0; LANES],
+            share: [0.0; LANES],
+            sum_by_sigma: [0.0; LANES],
         };
-        across.fill(reached.first, reached.padded, node.x, sigma);
-        let rows = reached.past_row - reached.first_row;
-        down.fill(reached.first_row, rows, node.y, sigma);
-        for i in 0..rows {
-            let at = Place {
-                row: reached.first_row + i,
-                column: reached.first,
-            };
-            let share = down.share[i];
-            target.add_value(at, node.rise * share, &across.sum, 1.0);
-            if let Some(contrast) = target.contrast {
-                target.add_sweep(at, contrast * share, &node.sweep, &across.share);
-                let factor = contrast * node.rise;
-                let slope = factor * down.share_by_sigma[i];
-                target.add_blur(at, slope, &across.sum, 1.0);
-                target.add_blur(at, factor * share, &across.sum_by_sigma, 0.0);
-            }
+        for l in 0..LANES {
+            let u = begin + l as f32 * scale;
+            let (bend, step) = (d1[l] - d0[l], c1[l] - c0[l]);
+            across.share[l] = step;
+            across.sum_by_sigma[l] = bend;
+            across.sum[l] = sigma * (u * step + bend) + c1[l];
         }
+        across
+    }
+}
+
+impl Kernel for Gaussian {
+    /// Share of the kernel in the row, its change by sigma, and where the node's vectors begin.
+    type Row = (f32, f32, usize);
+
+    #[inline(always)]
+    fn row(&self, _: &Node, j: usize, i: usize) -> Option<(Self::Row, Reach)> {
+        let (start, first, past) = self.rows[j];
+        if i < first || i >= past {
+            return None;
+        }
+        let [share, change] = self.down[start + i - first];
+        let (begin, reach) = self.reaches[j];
+        Some(((share, change, begin), reach))
+    }
+
+    #[inline(always)]
+    fn sum(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> Lanes {
+        let across = &self.across[row.2 + vector - self.reaches[j].1.first];
+        across.sum.map(|sum| row.0 * sum)
+    }
+
+    #[inline(always)]
+    fn all(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> [Lanes; 3] {
+        let across = &self.across[row.2 + vector - self.reaches[j].1.first];
+        let (share, change) = (row.0, row.1);
+        let mut out = [[0.0; LANES]; 3];
+        for l in 0..LANES {
+            out[0][l] = share * across.sum[l];
+            out[1][l] = share * across.share[l];
+            out[2][l] = change * across.sum[l] + share * across.sum_by_sigma[l];
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn beyond(&self, row: &Self::Row) -> [f32; 2] {
+        [row.0, row.1]
     }
 }

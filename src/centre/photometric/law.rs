@@ -8,7 +8,8 @@
 //! Centres are not drawn to one another or onto a plane.
 
 use super::fit::RingFitted;
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Point2, Vector2};
+use super::plane::PlaneView;
+use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector2};
 
 /// Rings for each coefficient of the polynomial, at least.
 const RINGS_PER_COEFFICIENT: usize = 3;
@@ -16,13 +17,13 @@ const RINGS_PER_COEFFICIENT: usize = 3;
 const OUTLIER: f64 = 5.0;
 
 /// A centre and its covariance, px and px^2.
-pub type CentreAndCovariance = (Point2<f64>, Matrix2<f64>);
+pub(super) type CentreAndCovariance = (Point2<f64>, Matrix2<f64>);
 
-/// The centres of the rings of one board, given one another's perspective. `homography` carries the board plane to the
-/// frame. Where there are too few rings to know the lens's part, the centres are those of the fits.
-pub fn share_perspective(
+/// The centres of the rings of one board, given one another's perspective and its plane. Where there are too few rings to know
+/// the lens's part, the centres are those of the fits.
+pub(super) fn share_perspective(
     rings: &[RingFitted],
-    homography: &Matrix3<f64>,
+    view: Option<&PlaneView>,
 ) -> Vec<CentreAndCovariance> {
     let alone = || {
         rings
@@ -30,7 +31,7 @@ pub fn share_perspective(
             .map(|r| (r.model.shape.centre, r.centre_covariance()))
             .collect()
     };
-    let Some(law) = PerspectiveLaw::of(rings, homography) else {
+    let Some(law) = view.and_then(|view| PerspectiveLaw::of(rings, view)) else {
         return alone();
     };
     rings.iter().map(|ring| law.apply(ring)).collect()
@@ -38,8 +39,7 @@ pub fn share_perspective(
 
 /// The perspective of every place of the frame.
 struct PerspectiveLaw {
-    /// Image of the plane's line at infinity.
-    horizon: nalgebra::Vector3<f64>,
+    view: PlaneView,
     middle: Point2<f64>,
     scale_px: f64,
     degree: usize,
@@ -49,11 +49,10 @@ struct PerspectiveLaw {
 }
 
 impl PerspectiveLaw {
-    fn of(rings: &[RingFitted], homography: &Matrix3<f64>) -> Option<Self> {
+    fn of(rings: &[RingFitted], view: &PlaneView) -> Option<Self> {
         let degree = (0..=2)
             .rev()
             .find(|d| terms(*d) * RINGS_PER_COEFFICIENT <= rings.len())?;
-        let horizon = homography.try_inverse()?.row(2).transpose();
         let count = rings.len() as f64;
         let sum = rings
             .iter()
@@ -66,7 +65,7 @@ impl PerspectiveLaw {
             .fold(1.0, f64::max);
         let size = 2 * terms(degree);
         let mut law = Self {
-            horizon,
+            view: *view,
             middle,
             scale_px,
             degree,
@@ -78,7 +77,7 @@ impl PerspectiveLaw {
         for ring in rings {
             let row = law.row(&ring.model.shape.centre);
             let weight = perspective_covariance(ring).try_inverse()?;
-            let missing = ring.model.shape.perspective - law.plane(&ring.model.shape.centre);
+            let missing = ring.model.shape.perspective - law.view.perspective(&ring.model.shape.centre);
             normal += row.transpose() * weight * &row;
             right += row.transpose() * (weight * missing);
         }
@@ -88,11 +87,6 @@ impl PerspectiveLaw {
             .iter()
             .all(|v| v.is_finite())
             .then_some(law)
-    }
-
-    /// The plane's own perspective at a place: q = -l_xy / (l . c) for the horizon l.
-    fn plane(&self, at: &Point2<f64>) -> Vector2<f64> {
-        -self.horizon.xy() / self.horizon.dot(&at.to_homogeneous())
     }
 
     /// 2 x size: the polynomial's terms for both components.
@@ -111,7 +105,7 @@ impl PerspectiveLaw {
     fn apply(&self, ring: &RingFitted) -> CentreAndCovariance {
         let (centre, own) = (ring.model.shape.centre, ring.centre_covariance());
         let row = self.row(&centre);
-        let board = self.plane(&centre)
+        let board = self.view.perspective(&centre)
             + Vector2::from_column_slice((&row * &self.coefficients).as_slice());
         let uncertain = &row * &self.covariance * row.transpose();
         let uncertain = Matrix2::new(

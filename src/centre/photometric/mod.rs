@@ -14,6 +14,7 @@
 //! curvature. The model knows both. It is fitted to the raw pixels of the frame, binned by half the blur at most.
 
 mod blur;
+mod board;
 mod boundary;
 mod censored;
 mod coverage;
@@ -21,23 +22,26 @@ mod disc;
 mod fit;
 mod gaussian;
 mod gram;
+mod jury;
 mod law;
 mod model;
 mod normal;
+mod plane;
 mod problem;
 mod psf;
 mod ring;
 mod shape;
 mod start;
+mod trust;
 mod window;
 
 pub use blur::{Blur, Psf};
+pub use board::{BoardMeasured, BoardPlace, BoardStart, RingMeasured, measure_board};
 pub use fit::{FitError, RingFitted, ShapeCovariance, cramer_rao_bound, fit};
-pub use law::{CentreAndCovariance, share_perspective};
 pub use model::RingModel;
 pub use problem::Workspace;
 pub use psf::{Both, Known, PsfChoice};
-pub use ring::{RingError, RingStart, measure_ring};
+pub use ring::{RingError, RingStart, Seen, measure_ring};
 pub use shape::{SHAPE_PARAMETERS, Shape};
 pub use start::window;
 pub use window::{End, Grid, Rectangle, Window};

@@ -6,7 +6,8 @@ use super::coverage::Coverage;
 use super::gram::{Gradient, Gram};
 use super::model::{Matrix, RingModel, Row, Vector};
 use super::shape::Shape;
-use super::window::Window;
+use super::psf::Known;
+use super::window::{Grid, Window};
 use pulp::Arch;
 
 /// What is fitted to what.
@@ -27,6 +28,7 @@ pub(super) struct Problem<'a> {
 pub struct Workspace {
     pub(super) coverage: Coverage,
     row: Row,
+    residuals: Vec<f32>,
     arch: Arch,
 }
 
@@ -35,6 +37,7 @@ impl Default for Workspace {
         Self {
             coverage: Coverage::default(),
             row: Row::default(),
+            residuals: Vec::new(),
             arch: Arch::new(),
         }
     }
@@ -108,14 +111,14 @@ impl Workspace {
     /// Coverages of a window by both circles of a ring, in padded rows; `None` where they are no ellipses.
     pub(super) fn circles(
         &mut self,
-        window: &Window,
+        grid: &Grid,
         shape: &Shape,
         blur: &Blur,
         ratio: f64,
     ) -> Option<&[Vec<f32>; 2]> {
         self.dispatch(
             #[inline(always)]
-            |room| room.coverage.fill(&window.grid, (shape, blur), ratio, None, None),
+            |room| room.coverage.fill(grid, (shape, blur), ratio, None, None),
         )?;
         Some(&self.coverage.circles)
     }
@@ -124,17 +127,49 @@ impl Workspace {
     pub(super) fn add_coverage(
         &mut self,
         planes: &mut [Vec<f32>; 2],
-        window: &Window,
+        grid: &Grid,
         model: &RingModel,
         ratio: f64,
     ) -> Option<()> {
-        let circles = self.circles(window, &model.shape, &model.blur, ratio)?;
+        let circles = self.circles(grid, &model.shape, &model.blur, ratio)?;
         for (sum, own) in planes.iter_mut().zip(circles) {
             for (sum, own) in sum.iter_mut().zip(own) {
                 *sum += own;
             }
         }
         Some(())
+    }
+
+    /// Residuals of all pixels of a window under a model, in padded rows; zero where a pixel does not count.
+    pub(super) fn residuals(&mut self, known: &Known, model: &RingModel) -> &[f32] {
+        let grid = &known.window.grid;
+        let stride = grid.stride();
+        self.dispatch(
+            #[inline(always)]
+            |room| {
+                room.residuals.clear();
+                room.residuals.resize(stride * grid.height, 0.0);
+                let (shape, blur) = (&model.shape, &model.blur);
+                let filled =
+                    room.coverage
+                        .fill(grid, (shape, blur), known.ratio, None, known.around);
+                if filled.is_none() {
+                    return;
+                }
+                let [outer, inner] = &room.coverage.circles;
+                for (row, out) in room.residuals.chunks_exact_mut(stride).enumerate() {
+                    let span = row * stride..(row + 1) * stride;
+                    let circles = [&outer[span.clone()], &inner[span.clone()]];
+                    model.light(grid, row, circles, out);
+                    let values = &known.window.values[span.clone()];
+                    let weights = &known.window.weights[span];
+                    for i in 0..stride {
+                        out[i] = weights[i] * (values[i] - out[i]);
+                    }
+                }
+            },
+        );
+        &self.residuals
     }
 
     /// Derivatives and residuals of one row. Returns what censored pixels add to the sum of squares beyond their residuals.

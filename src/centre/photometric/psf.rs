@@ -113,6 +113,21 @@ impl Known<'_> {
 }
 
 impl Both {
+    /// One fit, where the other shape was not asked for.
+    pub(super) fn only(psf: Psf, fitted: Result<RingFitted, FitError>) -> Self {
+        let missing = Err(FitError::Undetermined);
+        match psf {
+            Psf::Gaussian => Self {
+                gaussian: fitted,
+                disc: missing,
+            },
+            Psf::Disc => Self {
+                gaussian: missing,
+                disc: fitted,
+            },
+        }
+    }
+
     /// The fit with this shape of blur.
     pub fn of(&self, psf: Psf) -> &Result<RingFitted, FitError> {
         match psf {

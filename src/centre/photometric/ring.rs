@@ -50,17 +50,24 @@ pub enum RingError {
     },
 }
 
-/// A ring to be measured: what was seen of it.
-#[derive(Debug, Clone, Copy)]
-pub struct RingStart<'a> {
+/// A ring as it was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Seen {
     /// Its outline, px: the outer ellipse, or the blurred patch where no edge shows.
     pub outline: Ellipse,
-    /// The blur its edges gave, px.
-    pub sigma_px: f64,
     /// Inner over outer radius on the board.
     pub ratio: f64,
     /// 1 for a dark ring, -1 for a light one.
     pub sign: f64,
+}
+
+/// A ring to be measured alone.
+#[derive(Debug, Clone, Copy)]
+pub struct RingStart<'a> {
+    /// What was seen of it.
+    pub seen: Seen,
+    /// The blur its edges gave, px.
+    pub sigma_px: f64,
     /// The shape of the blur.
     pub psf: PsfChoice,
     /// Light from grey values.
@@ -76,7 +83,7 @@ pub fn measure_ring(
     ring: &RingStart,
     room: &mut Workspace,
 ) -> Result<RingFitted, RingError> {
-    let mut outline = ring.outline;
+    let mut outline = ring.seen.outline;
     let mut sigma_px = ring.sigma_px.max(0.3);
     let mut best: Option<RingFitted> = None;
     for _ in 0..CUTS {
@@ -87,7 +94,7 @@ pub fn measure_ring(
             Some(before) => {
                 let psf = before.model.blur.psf;
                 let again = known(&pixels, ring).fit_with(&before.model, psf, room);
-                match again.map_err(RingError::from).and_then(|f| gate(ring, f)) {
+                match again.map_err(RingError::from).and_then(|f| gate(&ring.seen, f)) {
                     Ok(fitted) => fitted,
                     Err(_) => break,
                 }
@@ -110,7 +117,7 @@ pub fn measure_ring(
 fn known<'a>(window: &'a Window, ring: &RingStart) -> Known<'a> {
     Known {
         window,
-        ratio: ring.ratio,
+        ratio: ring.seen.ratio,
         around: None,
     }
 }
@@ -126,7 +133,7 @@ fn fit_starts(
     let mut failure = RingError::Fit(FitError::Undetermined);
     for start in starts.iter().take(FITTED) {
         let fitted = known(window, ring).fit_choice(start, ring.psf, room);
-        match fitted.map_err(RingError::from).and_then(|f| gate(ring, f)) {
+        match fitted.map_err(RingError::from).and_then(|f| gate(&ring.seen, f)) {
             Ok(fitted) if best.is_none_or(|b| fitted.squares < b.squares) => best = Some(fitted),
             Ok(_) => {}
             Err(error) => failure = error,
@@ -137,7 +144,7 @@ fn fit_starts(
 
 /// Starts near an outline, the most promising first, no two of them alike.
 fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingModel> {
-    let seen_px = size(&ring.outline);
+    let seen_px = size(&ring.seen.outline);
     let blurs = BLURS
         .iter()
         .map(|factor| factor * ring.sigma_px.max(0.3))
@@ -149,11 +156,11 @@ fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingMo
     let mut found: Vec<(f64, RingModel)> = Vec::new();
     for sigma_px in blurs {
         for factor in SIZES {
-            let shape = Shape::frontal(&ring.outline).scaled(factor);
+            let shape = Shape::frontal(&ring.seen.outline).scaled(factor);
             let blur = Blur::of_sigma(psf, sigma_px);
             found.extend(
-                levels(window, &shape, &blur, ring.ratio, room)
-                    .filter(|(_, model)| has_contrast(ring.sign, model)),
+                levels(window, &shape, &blur, ring.seen.ratio, room)
+                    .filter(|(_, model)| has_contrast(ring.seen.sign, model)),
             );
         }
     }
@@ -170,16 +177,16 @@ fn size(ellipse: &Ellipse) -> f64 {
 }
 
 /// The fit, where it is the ring that was seen.
-fn gate(ring: &RingStart, fitted: RingFitted) -> Result<RingFitted, RingError> {
-    let outer = &ring.outline;
+pub(super) fn gate(seen: &Seen, fitted: RingFitted) -> Result<RingFitted, RingError> {
+    let outer = &seen.outline;
     let model = &fitted.model;
-    let contrast = ring.sign * (model.paper - model.ring);
+    let contrast = seen.sign * (model.paper - model.ring);
     let relative = model.shape.ellipse(1.0).map(|e| size(&e) / size(outer));
     let what = if (model.shape.centre - outer.centre).norm() > FARTHEST * outer.minor {
         "its centre is elsewhere"
     } else if !relative.is_some_and(|s| s > SIZES_SEEN.0 && s < SIZES_SEEN.1) {
         "its size is another"
-    } else if !has_contrast(ring.sign, model) {
+    } else if !has_contrast(seen.sign, model) {
         "its contrast is reversed"
     } else if fitted.noise > MOST_NOISE * contrast {
         "its residuals are no noise"

@@ -59,7 +59,7 @@ pub(super) fn levels(
     room: &mut Workspace,
 ) -> Option<(f64, RingModel)> {
     const UNKNOWNS: usize = 5;
-    let mut circles = room.circles(window, shape, blur, ratio)?.iter();
+    let mut circles = room.circles(&window.grid, shape, blur, ratio)?.iter();
     let (outer, inner) = (circles.next()?, circles.next()?);
     let grid = &window.grid;
     let (width, stride) = (grid.width as f64, grid.stride());

@@ -1,0 +1,290 @@
+//! The rings of one board: each measured by its grey values, with what the others know.
+//!
+//! A few rings (the jury) are fitted from several starts and with both shapes of blur; they say which it is, how much larger than its
+//! circle a blurred outline looks, and how the blur changes over the board. All rings then start from there. Where blurred
+//! skirts of neighbours reach into a ring's window they are part of its model, from the neighbours' own fits, until nothing
+//! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
+
+use super::blur::{Blur, Psf};
+use super::fit::RingFitted;
+use super::jury::{Verdict, verdict};
+use super::law::share_perspective;
+use super::model::RingModel;
+use super::plane::PlaneView;
+use super::problem::Workspace;
+use super::psf::{Known, PsfChoice};
+use super::ring::{RingError, Seen, gate};
+use super::start::window;
+use super::trust::{ALL, OWN, Surroundings};
+use super::window::{Grid, Window};
+use crate::centre::Ellipse;
+use crate::frame::{Frame, Linear};
+use nalgebra::{Matrix2, Point2};
+use rayon::prelude::*;
+
+/// A window reaches this many blur sigmas beyond the outer circle.
+pub(super) const MARGIN_SIGMAS: f64 = 2.0;
+/// A ring's light is seen as far as this many blur sigmas from its outline.
+const REACH_SIGMAS: f64 = 4.0;
+/// Rounds of fits while neighbours' skirts are still moving.
+const ROUNDS: usize = 3;
+/// A ring has settled when it moved by less than this many of its standard deviations.
+const SETTLED: f64 = 0.1;
+
+/// A ring of a board as it was seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BoardPlace {
+    /// Where it is on the board, m.
+    pub plane_m: Point2<f64>,
+    /// The outline that was seen, px.
+    pub outline: Ellipse,
+    /// The blur its edge seems to have, px.
+    pub sigma_px: f64,
+}
+
+/// A board to be measured.
+#[derive(Debug, Clone, Copy)]
+pub struct BoardStart<'a> {
+    /// Its rings.
+    pub places: &'a [BoardPlace],
+    /// Inner over outer radius.
+    pub ratio: f64,
+    /// 1 for dark rings, -1 for light ones.
+    pub sign: f64,
+    /// The shape of the blur.
+    pub psf: PsfChoice,
+    /// Light from grey values.
+    pub linear: &'a Linear,
+}
+
+impl BoardStart<'_> {
+    pub(super) fn seen(&self, place: &BoardPlace) -> Seen {
+        Seen {
+            outline: place.outline,
+            ratio: self.ratio,
+            sign: self.sign,
+        }
+    }
+}
+
+/// A board measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoardMeasured {
+    /// The shape of the blur.
+    pub psf: Psf,
+    /// Its rings, in the order given.
+    pub rings: Vec<Result<RingMeasured, RingError>>,
+}
+
+/// A ring measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingMeasured {
+    /// Its own fit.
+    pub fitted: RingFitted,
+    /// The projected centre with the board's perspective, px.
+    pub centre: Point2<f64>,
+    /// The centre's covariance, px^2.
+    pub covariance: Matrix2<f64>,
+    /// The pixels it was fitted to.
+    pub window: Window,
+}
+
+/// Measures the rings of a board.
+pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
+    let pairs: Vec<_> = board
+        .places
+        .iter()
+        .map(|place| (place.plane_m, place.outline.centre))
+        .collect();
+    let view = PlaneView::through(&pairs);
+    let verdict = verdict(frame, board, view.as_ref());
+    let mut rings: Vec<Under> = board
+        .places
+        .par_iter()
+        .map(|place| Under::begin(frame, board, place, view.as_ref(), &verdict))
+        .collect();
+    for round in 0..ROUNDS {
+        let moved = fit_round(board, &mut rings, round);
+        if !moved {
+            break;
+        }
+    }
+    finish(board, verdict.psf, rings)
+}
+
+/// A ring under measurement.
+#[derive(Debug, Clone)]
+struct Under {
+    window: Option<Window>,
+    model: RingModel,
+    fitted: Result<RingFitted, RingError>,
+    /// Other rings were in reach when it was last fitted.
+    crowded: bool,
+}
+
+impl Under {
+    fn begin(
+        frame: &Frame,
+        board: &BoardStart,
+        place: &BoardPlace,
+        view: Option<&PlaneView>,
+        verdict: &Verdict,
+    ) -> Self {
+        let model = verdict.start(board, place, view);
+        let outer = model.shape.ellipse(1.0).unwrap_or(place.outline);
+        let window = window(
+            frame,
+            &outer,
+            model.blur.sigma_px(),
+            MARGIN_SIGMAS,
+            board.linear,
+        );
+        Self {
+            window,
+            model,
+            fitted: Err(RingError::Outside),
+            crowded: false,
+        }
+    }
+}
+
+/// Fits all rings that have neighbours in reach (in the first round all); says whether another round may change anything.
+fn fit_round(board: &BoardStart, rings: &mut [Under], round: usize) -> bool {
+    let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
+    let moved = rings
+        .par_iter_mut()
+        .zip(board.places)
+        .enumerate()
+        .map_init(Workspace::default, |room, (i, (ring, place))| {
+            if round > 0 && !ring.crowded {
+                return false;
+            }
+            fit_one(board, &board.seen(place), ring, (i, &models), room);
+            ring.crowded && has_moved(ring, &models[i])
+        });
+    moved.reduce(|| false, |a, b| a || b)
+}
+
+fn has_moved(ring: &Under, before: &RingModel) -> bool {
+    ring.fitted.as_ref().is_ok_and(|fitted| {
+        let moved = (fitted.model.shape.centre - before.shape.centre).norm();
+        let size = |model: &RingModel| model.shape.affine[0] + model.shape.affine[2];
+        let grown = 0.5 * (size(&fitted.model) / size(before) - 1.0).abs();
+        let std = fitted.centre_covariance().trace().sqrt();
+        let radius = size(before).max(f64::MIN_POSITIVE).sqrt().recip();
+        moved + grown * radius > SETTLED * std
+    })
+}
+
+fn fit_one(
+    board: &BoardStart,
+    seen: &Seen,
+    ring: &mut Under,
+    (own, models): (usize, &[RingModel]),
+    room: &mut Workspace,
+) {
+    let Some(window) = ring.window.as_mut() else {
+        return;
+    };
+    let around = around(&window.grid, board.ratio, (own, models), room);
+    ring.crowded = around.is_some();
+    let mut known = Known {
+        window,
+        ratio: board.ratio,
+        around: around.as_ref(),
+    };
+    let psf = ring.model.blur.psf;
+    let mut fitted = known.fit_with(&ring.model, psf, room);
+    if let Ok(first) = &fitted
+        && let Some(surroundings) = Surroundings::of(first, &known.window.grid)
+    {
+        let residuals = room.residuals(&known, &first.model);
+        let trusted = surroundings.judge(known.window, residuals, first);
+        if trusted != ALL {
+            // whatever stands there may have spoilt the fit: ask again with the ring alone
+            let mut alone = known.window.clone();
+            surroundings.mask(&mut alone, &OWN);
+            let on_own = Known {
+                window: &alone,
+                ..known
+            };
+            let clean = on_own.fit_with(&first.model, psf, room).unwrap_or(*first);
+            let residuals = room.residuals(&known, &clean.model);
+            let trusted = surroundings.judge(known.window, residuals, &clean);
+            let window = ring.window.as_mut().filter(|_| trusted != ALL);
+            if let Some(window) = window {
+                surroundings.mask(window, &trusted);
+                known = Known {
+                    window,
+                    ratio: board.ratio,
+                    around: around.as_ref(),
+                };
+                fitted = known.fit_with(&clean.model, psf, room);
+            }
+        }
+    }
+    ring.fitted = fitted.map_err(RingError::from).and_then(|f| gate(seen, f));
+    if let Ok(fitted) = &ring.fitted {
+        ring.model = fitted.model;
+    }
+}
+
+/// The coverages of a window by the rings around one of them; `None` where none is in reach.
+fn around(
+    grid: &Grid,
+    ratio: f64,
+    (own, models): (usize, &[RingModel]),
+    room: &mut Workspace,
+) -> Option<[Vec<f32>; 2]> {
+    let size = grid.stride() * grid.height;
+    let mut planes = None;
+    for (i, model) in models.iter().enumerate() {
+        if i != own && reaches(model, grid) {
+            let planes = planes.get_or_insert_with(|| [vec![0.0; size], vec![0.0; size]]);
+            room.add_coverage(planes, grid, model, ratio);
+        }
+    }
+    planes
+}
+
+/// Whether a ring's light falls into a window.
+fn reaches(model: &RingModel, grid: &Grid) -> bool {
+    let [xx, xy, yy] = model.shape.affine;
+    let determinant = xx * yy - xy * xy;
+    let reach = REACH_SIGMAS * model.blur.sigma_px() + 1.0;
+    let (half_x, half_y) = (
+        (yy / determinant).max(0.0).sqrt() + reach,
+        (xx / determinant).max(0.0).sqrt() + reach,
+    );
+    let centre = model.shape.centre;
+    let (right, bottom) = (grid.x(grid.width), grid.y(grid.height));
+    centre.x + half_x > grid.left_px
+        && centre.x - half_x < right
+        && centre.y + half_y > grid.top_px
+        && centre.y - half_y < bottom
+}
+
+/// Shares the perspective among the rings that were measured.
+fn finish(board: &BoardStart, psf: Psf, rings: Vec<Under>) -> BoardMeasured {
+    let fitted: Vec<RingFitted> = rings.iter().filter_map(|r| r.fitted.ok()).collect();
+    let pairs: Vec<_> = rings
+        .iter()
+        .zip(board.places)
+        .filter_map(|(ring, place)| Some((place.plane_m, ring.fitted.ok()?.model.shape.centre)))
+        .collect();
+    let mut centres = share_perspective(&fitted, PlaneView::through(&pairs).as_ref()).into_iter();
+    let measured = rings.into_iter().map(|ring| {
+        let fitted = ring.fitted?;
+        let (centre, covariance) = centres.next().ok_or(RingError::Outside)?;
+        Ok(RingMeasured {
+            fitted,
+            centre,
+            covariance,
+            window: ring.window.ok_or(RingError::Outside)?,
+        })
+    });
+    BoardMeasured {
+        psf,
+        rings: measured.collect(),
+    }
+}

@@ -1,0 +1,129 @@
+//! Which pixels around a ring show what the model knows: paper.
+//!
+//! The edge of the sheet, a hand, print or an unknown ring within the window would pull the fit. They stand beyond the ring, so the
+//! surroundings are taken in blocks, eight directions by a few layers of half a blur sigma; a block whose mean residual is
+//! more than noise is left out, and with it all that lies behind it.
+
+use super::fit::RingFitted;
+use super::shape::Shape;
+use super::window::{Grid, Window};
+use nalgebra::Vector2;
+
+const DIRECTIONS: usize = 8;
+const LAYERS: usize = 6;
+/// Layers that are the ring's own: its skirt, without which nothing can be fitted.
+const OWN_LAYERS: usize = 2;
+/// Thickness of a layer, blur sigmas; and at least this many pixels of the window.
+const LAYER_SIGMAS: f64 = 0.5;
+const LEAST_LAYER_PIXELS: f64 = 1.0;
+/// A block's mean residual may be so many of its standard deviations, and this fraction of the contrast more.
+const MOST_DEVIATIONS: f64 = 3.8;
+const MODEL_ERROR: f64 = 2e-3;
+/// Fewer pixels than this say nothing.
+const LEAST_PIXELS: f64 = 6.0;
+
+/// The blocks around one ring.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surroundings {
+    shape: Shape,
+    /// Layers for each unit of the radius, in outer radii.
+    layers_per_radius: f64,
+}
+
+/// For each direction the first layer that is not trusted.
+pub(super) type Trusted = [usize; DIRECTIONS];
+
+/// Everything is trusted.
+pub(super) const ALL: Trusted = [LAYERS; DIRECTIONS];
+/// The ring's own skirt alone is trusted.
+pub(super) const OWN: Trusted = [OWN_LAYERS; DIRECTIONS];
+
+impl Surroundings {
+    pub(super) fn of(fitted: &RingFitted, grid: &Grid) -> Option<Self> {
+        let shape = fitted.model.shape;
+        let outer = shape.ellipse(1.0)?;
+        let radius_px = (outer.major * outer.minor).sqrt();
+        let sigma_px = fitted.model.blur.sigma_px();
+        let layer_px = (LAYER_SIGMAS * sigma_px).max(LEAST_LAYER_PIXELS * grid.pixel_px);
+        Some(Self {
+            shape,
+            layers_per_radius: radius_px / layer_px,
+        })
+    }
+
+    /// Direction and layer of a place beyond the outer circle; `None` inside.
+    fn block(&self, x: f64, y: f64) -> Option<(usize, usize)> {
+        let at = Vector2::new(x - self.shape.centre.x, y - self.shape.centre.y);
+        let [xx, xy, yy] = self.shape.affine;
+        let depth = 1.0 - self.shape.perspective.dot(&at);
+        let square = xx * at.x * at.x + 2.0 * xy * at.x * at.y + yy * at.y * at.y;
+        if square <= depth * depth {
+            return None;
+        }
+        let beyond = square.sqrt() / depth.abs() - 1.0;
+        let layer = ((beyond * self.layers_per_radius) as usize).min(LAYERS - 1);
+        let octant = usize::from(at.x > 0.0)
+            | usize::from(at.y > 0.0) << 1
+            | usize::from(at.x.abs() > at.y.abs()) << 2;
+        Some((octant, layer))
+    }
+
+    /// How far each direction is to be trusted, by the residuals of a fit (padded rows like the window's).
+    pub(super) fn judge(&self, window: &Window, residuals: &[f32], fitted: &RingFitted) -> Trusted {
+        let (grid, stride) = (&window.grid, window.grid.stride());
+        let mut blocks = [[Block::default(); LAYERS]; DIRECTIONS];
+        let mut own = Block::default();
+        for row in 0..grid.height {
+            let y = grid.y(row);
+            for column in 0..grid.width {
+                let i = row * stride + column;
+                if window.weights[i] == 0.0 {
+                    continue;
+                }
+                let residual = f64::from(residuals[i]);
+                match self.block(grid.x(column), y) {
+                    Some((direction, layer)) if layer >= OWN_LAYERS => {
+                        blocks[direction][layer].add(residual);
+                    }
+                    _ => own.add(residual),
+                }
+            }
+        }
+        let noise = (own.squares / own.pixels.max(1.0)).sqrt();
+        let contrast = (fitted.model.paper - fitted.model.ring).abs();
+        std::array::from_fn(|direction| {
+            (OWN_LAYERS..LAYERS)
+                .find(|&layer| blocks[direction][layer].is_strange(noise, contrast))
+                .unwrap_or(LAYERS)
+        })
+    }
+
+    /// Leaves the untrusted pixels out of a window.
+    pub(super) fn mask(&self, window: &mut Window, trusted: &Trusted) {
+        window.keep(|x, y| {
+            self.block(x, y)
+                .is_none_or(|(direction, layer)| layer < trusted[direction])
+        });
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Block {
+    sum: f64,
+    squares: f64,
+    pixels: f64,
+}
+
+impl Block {
+    fn add(&mut self, residual: f64) {
+        self.sum += residual;
+        self.squares += residual * residual;
+        self.pixels += 1.0;
+    }
+
+    fn is_strange(&self, noise: f64, contrast: f64) -> bool {
+        let mean = self.sum / self.pixels.max(1.0);
+        let most = MOST_DEVIATIONS * noise / self.pixels.max(1.0).sqrt() + MODEL_ERROR * contrast;
+        self.pixels >= LEAST_PIXELS && mean.abs() > most
+    }
+}

@@ -14,6 +14,7 @@
 
 mod blur;
 mod board;
+mod choice;
 mod coverage;
 mod disc;
 mod fit;
@@ -21,6 +22,7 @@ mod gaussian;
 mod model;
 mod outline;
 mod psf;
+mod response;
 mod ring;
 mod shape;
 mod start;
@@ -28,9 +30,11 @@ mod window;
 
 pub use blur::{Blur, Psf};
 pub use board::{CentreAndCovariance, share_perspective};
+pub use choice::PsfChoice;
 pub use fit::{FitError, RingFitted, ShapeCovariance, fit};
 pub use model::RingModel;
-pub use psf::{PsfChoice, ViewFitted, fit_psf, fit_view};
+pub use psf::{ViewFitted, fit_psf, fit_view};
+pub use response::ResponseGamma;
 pub use ring::{RingError, RingStart, measure_ring};
 pub use shape::{SHAPE_PARAMETERS, Shape};
 pub use start::{start, window};

@@ -5,6 +5,7 @@
 //! lens but each its own window and noise, these add up.
 
 use super::blur::{Blur, Psf};
+use super::choice::PsfChoice;
 use super::fit::{FitError, RingFitted, fit};
 use super::model::RingModel;
 use super::start::levels;
@@ -18,16 +19,6 @@ const DISC_STARTS: [f64; 3] = [1.7, 2.0, 2.4];
 const LEAST_START_PX: f64 = 0.5;
 /// So many rings, spread over the view, choose for all.
 const JURY: usize = 9;
-
-/// Which blur to fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum PsfChoice {
-    /// The likelier.
-    #[default]
-    Auto,
-    /// This one.
-    Fixed(Psf),
-}
 
 /// The rings of a view, fitted with one shape of blur.
 #[derive(Debug, Clone, PartialEq)]

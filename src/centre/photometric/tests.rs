@@ -1,9 +1,10 @@
 //! Coverages against the simulator (which shares no code with them), against invariants and against finite differences.
 
 use super::blur::{Blur, Psf};
+use super::choice::PsfChoice;
 use super::coverage::{COVERAGE_PARAMETERS, Values, WithDerivatives};
 use super::model::RingModel;
-use super::psf::{PsfChoice, fit_psf, fit_view};
+use super::psf::{fit_psf, fit_view};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::{Grid, Rectangle, Window};
 use crate::board::{Board, Polarity};

@@ -3,6 +3,7 @@
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. A file that cannot be read does not stop the others.
 
+use super::output::print;
 use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError, calibrate};
 use crate::camera::Camera;
 use crate::centre::Estimator;
@@ -111,7 +112,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
             views[at].source, calibration.views[at].rms_px
         );
     }
-    print!("{}", summary(&calibration, &collected));
+    print(&summary(&calibration, &collected))?;
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! `ringcal detect`: finds the board in image files.
 
+use super::output::{Reader, print};
 use crate::board::Board;
 use crate::centre::Estimator;
 use crate::detect::{DetectOptions, Detection, Detector, Miss};
@@ -9,7 +10,6 @@ use crate::report::{Scale, overlay, png};
 use crate::source::{read_board, read_image};
 use anyhow::Context;
 use std::collections::HashSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -82,7 +82,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
             Format::Text => line.text(),
             Format::Jsonl => line.json()?,
         };
-        writeln!(std::io::stdout().lock(), "{text}")?;
+        if print(&format!("{text}\n"))? == Reader::Gone {
+            return Ok(());
+        }
     }
     let all = arguments.images.len();
     anyhow::ensure!(

@@ -6,6 +6,7 @@ mod calibrate;
 mod demo;
 mod detect;
 mod node;
+mod output;
 mod simulate;
 
 use clap::{Parser, Subcommand};

@@ -5,6 +5,7 @@
 mod calibrate;
 mod demo;
 mod detect;
+mod measuring;
 mod node;
 mod output;
 mod simulate;

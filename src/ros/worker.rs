@@ -236,6 +236,7 @@ impl Worker {
 fn detector(configuration: &Configuration) -> Detector {
     let options = DetectOptions {
         estimator: configuration.settings.estimator,
+        ..DetectOptions::default()
     };
     Detector::new(configuration.board.clone(), options)
 }

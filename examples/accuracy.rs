@@ -140,7 +140,11 @@ impl Row {
 
 /// Sum of the squared errors of one board, px^2, and whether it was missed.
 fn squares(board: &Board, estimator: Estimator, frame: &Frame, truth: &Truth) -> (f64, bool) {
-    let found = Detector::new(board.clone(), DetectOptions { estimator }).detect(frame);
+    let options = DetectOptions {
+        estimator,
+        ..DetectOptions::default()
+    };
+    let found = Detector::new(board.clone(), options).detect(frame);
     let miss = MISS_PX * MISS_PX;
     let sum = truth.rings.iter().map(|ring| {
         let place = found

@@ -180,7 +180,7 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
     std::fs::write(folder.join("single.yaml"), single).unwrap();
     write_views(folder, 2);
     let rest = ["--board", "board.yaml", "--output", "out"];
-    let cases: [(&[&str], i32, &str); 8] = [
+    let cases: [(&[&str], i32, &str); 10] = [
         (
             &["view_0.png", "view_1.png"],
             1,
@@ -199,6 +199,8 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
             "plumb_bob only",
         ),
         (&["view_0.png", "--estimator", "best"], 2, "big_ellipse"),
+        (&["view_0.png", "--psf", "round"], 2, "gaussian, disc"),
+        (&["view_0.png", "--response-gamma", "9"], 2, "0.2 to 5"),
         (&["view_0.png", "--shape", "round"], 2, "--shape"),
         (&[], 2, "INPUT"),
     ];

@@ -167,3 +167,23 @@ fn a_folder_with_frames_of_another_run_is_refused() {
             .success()
     );
 }
+
+#[test]
+fn frames_are_wanted_even_where_nobody_reads_their_names() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("board.yaml"), BOARD).unwrap();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let done = Command::new(env!("CARGO_BIN_EXE_ringcal"))
+        .current_dir(folder.path())
+        .args(["simulate", "--board", "board.yaml", "--output", "out"])
+        .args(["--views", "2", "--width", "320", "--height", "240"])
+        .stdout(writer)
+        .output()
+        .unwrap();
+    assert_eq!(done.status.code(), Some(0));
+    assert_eq!(
+        names(&folder.path().join("out")),
+        ["truth.json", "view_000.png", "view_001.png"]
+    );
+}

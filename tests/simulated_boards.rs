@@ -33,7 +33,11 @@ fn board(polarity: Polarity) -> Board {
 }
 
 fn detect(board: &Board, frame: &Frame, estimator: Estimator) -> Result<Detection, Miss> {
-    Detector::new(board.clone(), DetectOptions { estimator }).detect(frame)
+    let options = DetectOptions {
+        estimator,
+        ..DetectOptions::default()
+    };
+    Detector::new(board.clone(), options).detect(frame)
 }
 
 /// Root mean square distance of the centres from the truth, px. The labels must be the truth's.

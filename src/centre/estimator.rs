@@ -32,7 +32,7 @@ pub trait CentreEstimator: Send + Sync {
     fn estimate(&self, ring: &RingEllipses) -> Result<Centre, CentreError>;
 }
 
-/// Which construction gives the projected centre.
+/// What gives the projected centre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Estimator {
     /// Centre of the outer ellipse (the paper's BC): biased by perspective, for comparison.
@@ -42,11 +42,11 @@ pub enum Estimator {
     /// Tangents on one side (the paper's Fei; Hao et al.).
     OneSided,
     /// The paper's construction, equations 26 to 29.
-    #[default]
     Cross,
     /// The isolated eigenvector of the two conics.
     PolePolar,
     /// Maximum likelihood of the blurred ring's grey values: looks at the pixels, not at edges.
+    #[default]
     Photometric,
 }
 

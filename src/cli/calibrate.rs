@@ -3,10 +3,11 @@
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. A file that cannot be read does not stop the others.
 
+use super::measuring::Measuring;
+use super::output::print;
 use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError, calibrate};
 use crate::camera::Camera;
-use crate::centre::Estimator;
-use crate::detect::{DetectOptions, Detection, Detector};
+use crate::detect::{Detection, Detector};
 use crate::formats::{CalibrationJson, CameraInfo, Outcome, write_by_rename};
 use crate::frame::Frame;
 use crate::report::report_html;
@@ -36,9 +37,8 @@ pub struct Arguments {
     /// distortion coefficient is 0, cx and cy are the middle of the frame, fx and fy the guess without distortion.
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = fixed_entry)]
     fix: Vec<String>,
-    /// Which construction gives the projected centres.
-    #[arg(long, value_name = "NAME", default_value_t = Estimator::default().name().to_owned(), value_parser = estimator_name)]
-    estimator: String,
+    #[command(flatten)]
+    measuring: Measuring,
     /// Name of the camera in camera_info.yaml.
     #[arg(long, value_name = "NAME", default_value = "camera")]
     camera_name: String,
@@ -56,11 +56,6 @@ fn lens_model(name: &str) -> Result<&'static str, String> {
 
 fn fixed_entry(entry: &str) -> Result<String, FixedError> {
     Fixed::from_entries([entry]).map(|_| entry.to_owned())
-}
-
-fn estimator_name(name: &str) -> Result<String, String> {
-    name.parse::<Estimator>()
-        .map(|known| known.name().to_owned())
 }
 
 /// Runs the command.
@@ -82,12 +77,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let options = CalibrateOptions {
         fixed: Fixed::from_entries(&arguments.fix)?,
     };
-    let estimator = arguments.estimator.parse().map_err(anyhow::Error::msg)?;
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| format!("{}: cannot be made", arguments.output.display()))?;
     let frames = source::frames(arguments.inputs)
         .map(|recorded| (recorded.path.to_string_lossy().into_owned(), recorded.frame));
-    let detector = Detector::new(board, DetectOptions { estimator });
+    let detector = Detector::new(board, arguments.measuring.options());
     let collected = collect(&detector, frames);
     let views = collected.session.views();
     let calibration = calibrate(detector.board(), views, &options).with_context(|| {
@@ -99,7 +93,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     })?;
     let file = CalibrationJson::new(
         &arguments.camera_name,
-        &arguments.estimator,
+        arguments.measuring.estimator.name(),
         &calibration,
         views,
         &collected.outcomes,
@@ -111,7 +105,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
             views[at].source, calibration.views[at].rms_px
         );
     }
-    print!("{}", summary(&calibration, &collected));
+    print(&summary(&calibration, &collected))?;
     Ok(())
 }
 

@@ -7,6 +7,7 @@ mod camera;
 mod child;
 mod table;
 
+use super::output::print;
 use crate::board::Board;
 use crate::ros::client::{CameraClient, ClientError};
 use crate::ros::messages::{CameraInfo, Header, RingCentreArray};
@@ -82,7 +83,8 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     drop(context);
     node.end()?;
     let (info, rms_px, centres) = found?;
-    println!("{}", table(camera.truth(), &info, rms_px, &centres));
+    let table = table(camera.truth(), &info, rms_px, &centres);
+    print(&format!("{table}\n"))?;
     let error = (info.k[0] / camera.truth().intrinsics.fx - 1.0).abs();
     ensure!(
         error < PASSES,

@@ -1,15 +1,16 @@
 //! `ringcal detect`: finds the board in image files.
 
+use super::measuring::Measuring;
+use super::output::{Reader, print};
 use crate::board::Board;
-use crate::centre::Estimator;
+use crate::camera::Camera;
 use crate::detect::{DetectOptions, Detection, Detector, Miss};
 use crate::formats::{DetectionLine, write_by_rename};
 use crate::frame::Frame;
 use crate::report::{Scale, overlay, png};
-use crate::source::{read_board, read_image};
+use crate::source::{read_board, read_camera_info, read_image};
 use anyhow::Context;
 use std::collections::HashSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -22,9 +23,11 @@ pub struct Arguments {
     /// The board's YAML file.
     #[arg(long, value_name = "FILE")]
     board: PathBuf,
-    /// What gives the projected centre: big_ellipse, small_ellipse, one_sided, cross, pole_polar or photometric.
-    #[arg(long, value_name = "NAME", default_value = Estimator::default().name())]
-    estimator: Estimator,
+    #[command(flatten)]
+    measuring: Measuring,
+    /// The camera's calibration, a camera_info.yaml, for photometric: it knows the perspective of every ring.
+    #[arg(long, value_name = "FILE")]
+    camera_info: Option<PathBuf>,
     /// What to print for each image.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -45,14 +48,16 @@ enum Format {
 /// command fails at the end.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let board = read_board(&arguments.board)?;
-    let estimator = arguments.estimator;
-    let detector = Detector::new(board, DetectOptions { estimator });
+    let info = arguments.camera_info.as_deref().map(read_camera_info);
+    let camera = info.transpose()?.map(|info| info.camera);
+    let detectors = Detectors::new(board, arguments.measuring.options(), camera);
     let mut overlays = arguments.overlay.map(Overlays::new).transpose()?;
     let mut unreadable = 0;
     for path in &arguments.images {
         let name = path.display().to_string();
         let line = match read_image(path) {
             Ok(frame) => {
+                let detector = detectors.of(&name, &frame);
                 let begin = Instant::now();
                 let outcome = detector.detect(&frame);
                 let elapsed_ms = begin.elapsed().as_secs_f64() * 1e3;
@@ -82,7 +87,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
             Format::Text => line.text(),
             Format::Jsonl => line.json()?,
         };
-        writeln!(std::io::stdout().lock(), "{text}")?;
+        if print(&format!("{text}\n"))? == Reader::Gone {
+            return Ok(());
+        }
     }
     let all = arguments.images.len();
     anyhow::ensure!(
@@ -90,6 +97,42 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         "{unreadable} of {all} files could not be read"
     );
     Ok(())
+}
+
+/// Detectors of one board.
+struct Detectors {
+    /// Knows no camera.
+    plain: Detector,
+    /// Knows the camera, where there is one.
+    calibrated: Option<(Camera, Detector)>,
+}
+
+impl Detectors {
+    fn new(board: Board, options: DetectOptions, camera: Option<Camera>) -> Self {
+        Self {
+            calibrated: camera.map(|known| {
+                let options = DetectOptions { camera, ..options };
+                (known, Detector::new(board.clone(), options))
+            }),
+            plain: Detector::new(board, options),
+        }
+    }
+
+    /// The one for a frame. A camera whose frames are of another size is not this frame's: it is left aside, with a warning.
+    fn of(&self, image: &str, frame: &Frame) -> &Detector {
+        let Some((camera, calibrated)) = &self.calibrated else {
+            return &self.plain;
+        };
+        let (width, height) = (frame.width(), frame.height());
+        if (width, height) == (camera.width as usize, camera.height as usize) {
+            return calibrated;
+        }
+        eprintln!(
+            "warning: {image}: {width} x {height} px, but the camera of --camera-info has {} x {} px: it is ignored here",
+            camera.width, camera.height
+        );
+        &self.plain
+    }
 }
 
 /// A folder of pictures of what was found, named after the images.

@@ -5,7 +5,9 @@
 mod calibrate;
 mod demo;
 mod detect;
+mod measuring;
 mod node;
+mod output;
 mod simulate;
 
 use clap::{Parser, Subcommand};

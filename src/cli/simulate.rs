@@ -5,13 +5,14 @@
 mod options;
 mod truth_file;
 
+use super::output::print;
 use crate::board::Board;
 use crate::frame::{Frame, Pixels};
 use crate::simulate::{BitDepth, Light, Scene, Sensor, render, views};
 use crate::source::read_board;
 use anyhow::{Context, bail};
 use image::{ImageBuffer, ImageFormat, Luma};
-use std::io::{Cursor, Write};
+use std::io::Cursor;
 use std::path::Path;
 use truth_file::{TruthFile, ViewTruth};
 
@@ -40,7 +41,8 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
         truth
             .views
             .push(ViewTruth::new(name, scene, &rendering.truth));
-        writeln!(std::io::stdout(), "{}", path.display())?;
+        // whoever reads the names or not: the frames are what is wanted
+        print(&format!("{}\n", path.display()))?;
         eprintln!("{} of {} frames", index + 1, names.len());
     }
     write_whole(&truth_path, &serde_json::to_vec_pretty(&truth)?)

@@ -6,6 +6,8 @@ use super::grid::{Placed, find_grid};
 use super::ring_fit::RingFit;
 use super::rings::{add_drowned, find_rings};
 use crate::board::{Board, Polarity};
+use crate::camera::Camera;
+use crate::centre::photometric::{PsfChoice, ResponseGamma};
 use crate::centre::{Ellipse, Estimator, RingEllipses};
 use crate::frame::Frame;
 use nalgebra::Matrix3;
@@ -13,8 +15,15 @@ use nalgebra::Matrix3;
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct DetectOptions {
-    /// Which construction gives the projected centre.
+    /// What gives the projected centre.
     pub estimator: Estimator,
+    /// Which shape of blur the photometric estimator fits.
+    pub psf: PsfChoice,
+    /// How the frame's grey values follow the light; only the photometric estimator asks.
+    pub response_gamma: ResponseGamma,
+    /// The camera, where it is calibrated already: it gives the photometric estimator the perspective of each ring. Its
+    /// size must be that of the frames.
+    pub camera: Option<Camera>,
 }
 
 /// Finds one board in frames.

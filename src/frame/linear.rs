@@ -21,7 +21,9 @@ impl Linear {
             }
         };
         let words = if sixteen_bit && gamma != 1.0 {
-            (0..=u16::MAX).map(|v| light(f64::from(v) / 65535.0)).collect()
+            (0..=u16::MAX)
+                .map(|v| light(f64::from(v) / 65535.0))
+                .collect()
         } else {
             Vec::new()
         };

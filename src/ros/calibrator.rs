@@ -346,13 +346,16 @@ impl Calibrator {
         Answer::Done(text)
     }
 
-    /// Takes over new parameters. Another board or estimator starts anew: views of different ones do not mix.
+    /// Takes over new parameters. Another board or another way to measure starts anew: views of different ones do not mix.
     pub fn configure(&mut self, new: Configuration) {
         let board = self.session.set_board(new.board.clone());
-        let estimator = new.settings.estimator != self.configuration.settings.estimator;
+        let measuring = self
+            .configuration
+            .settings
+            .measures_differently(&new.settings);
+        let changed = board.then_some("board").or(measuring);
         self.session.set_rules(new.settings.rules);
-        if board || estimator {
-            let what = if board { "board" } else { "estimator" };
+        if let Some(what) = changed {
             self.session.reset();
             self.forget();
             self.status.guidance = format!("another {what}: started anew");

@@ -2,6 +2,7 @@
 
 use super::parameters::{Declaration, Range};
 use crate::centre::Estimator;
+use crate::centre::photometric::{PsfChoice, ResponseGamma};
 use ros2_client::ParameterValue;
 
 /// Every parameter of the node but `use_sim_time`, which every ROS node has.
@@ -13,8 +14,10 @@ pub fn declarations() -> Vec<Declaration> {
         description,
         constraints: String::new(),
         range: Range::Any,
+        number_as_text: false,
     };
     let estimators = Estimator::ALL.map(Estimator::name).join(", ");
+    let psfs = PsfChoice::ALL.map(PsfChoice::name).join(", ");
     vec![
         plain(
             "board_file",
@@ -35,6 +38,29 @@ pub fn declarations() -> Vec<Declaration> {
                 "estimator",
                 text(Estimator::default().name()),
                 "How the projected centre of a ring is found. Setting it starts the calibration anew.",
+            )
+        },
+        Declaration {
+            constraints: format!("one of {psfs}"),
+            ..plain(
+                "psf",
+                text(PsfChoice::default().name()),
+                "Shape of the blur that the estimator photometric fits; auto takes the likelier. Setting it starts the \
+                 calibration anew.",
+            )
+        },
+        Declaration {
+            constraints: format!(
+                "auto or a number from {} to {}",
+                ResponseGamma::LEAST,
+                ResponseGamma::GREATEST
+            ),
+            number_as_text: true,
+            ..plain(
+                "response_gamma",
+                text(&ResponseGamma::default().to_string()),
+                "How grey values follow the light, for the estimator photometric: grey = light^(1/gamma); auto estimates \
+                 gamma. Setting it starts the calibration anew.",
             )
         },
         Declaration {

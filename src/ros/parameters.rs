@@ -29,6 +29,8 @@ pub struct Declaration {
     pub constraints: String,
     /// Where a number must lie.
     pub range: Range,
+    /// Whether a string also takes a number, as its text: `-p NAME:=2.2` without quotes is a number to ROS.
+    pub number_as_text: bool,
 }
 
 /// Why a parameter cannot have a value.
@@ -70,11 +72,18 @@ pub enum ParameterError {
 }
 
 impl Declaration {
-    /// `value` as this parameter's type. An integer is taken where a number with a fraction is asked for.
+    /// `value` as this parameter's type. An integer is taken where a number with a fraction is asked for, and a number where
+    /// the declaration allows it as text.
     fn typed(&self, value: ParameterValue) -> Result<ParameterValue, ParameterError> {
         match (&self.default, value) {
             (ParameterValue::Double(_), ParameterValue::Integer(i)) => {
                 Ok(ParameterValue::Double(i as f64))
+            }
+            (ParameterValue::String(_), ParameterValue::Double(d)) if self.number_as_text => {
+                Ok(ParameterValue::String(format!("{d:?}")))
+            }
+            (ParameterValue::String(_), ParameterValue::Integer(i)) if self.number_as_text => {
+                Ok(ParameterValue::String(format!("{:?}", i as f64)))
             }
             (default, value) if default.to_parameter_type() == value.to_parameter_type() => {
                 Ok(value)
@@ -253,6 +262,26 @@ mod tests {
             values.get("max_motion_px"),
             Some(&ParameterValue::Double(3.0))
         );
+    }
+
+    #[test]
+    fn a_number_will_do_where_its_text_does() {
+        let mut values = ParameterValues::default();
+        for (number, text) in [
+            (ParameterValue::Double(2.2), "2.2"),
+            (ParameterValue::Integer(2), "2.0"),
+            (ParameterValue::Double(f64::NAN), "NaN"),
+        ] {
+            values.set("response_gamma", number).unwrap();
+            let text = ParameterValue::String(text.to_owned());
+            assert_eq!(values.get("response_gamma"), Some(&text));
+        }
+        values
+            .set("response_gamma", ParameterValue::Boolean(true))
+            .unwrap_err();
+        values
+            .set("camera_name", ParameterValue::Double(2.2))
+            .unwrap_err();
     }
 
     #[test]

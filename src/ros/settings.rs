@@ -3,10 +3,12 @@
 use super::parameters::{ParameterError, ParameterValues};
 use crate::calibrate::Fixed;
 use crate::centre::Estimator;
+use crate::centre::photometric::{PsfChoice, ResponseGamma};
 use crate::report::Quality;
 use crate::session::SessionRules;
 use ros2_client::ParameterValue;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// The parameters of the node as its parts need them.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,6 +17,10 @@ pub struct Settings {
     pub board_file: PathBuf,
     /// How the projected centres are found.
     pub estimator: Estimator,
+    /// Which shape of blur the photometric estimator fits.
+    pub psf: PsfChoice,
+    /// How the grey values follow the light.
+    pub response_gamma: ResponseGamma,
     /// Camera parameters that are not estimated.
     pub fixed: Fixed,
     /// When a frame is kept.
@@ -46,9 +52,8 @@ impl Settings {
         }
         only(values, "image_transport", "raw")?;
         only(values, "model", "plumb_bob")?;
-        let estimator = text(values, "estimator")
-            .parse()
-            .map_err(|reason: String| meaning("estimator", reason))?;
+        let (estimator, psf) = (parsed(values, "estimator")?, parsed(values, "psf")?);
+        let response_gamma = parsed(values, "response_gamma")?;
         let fixed = Fixed::from_entries(list(values, "fixed"))
             .map_err(|error| meaning("fixed", error.to_string()))?;
         let (min_views, max_views) = (count(values, "min_views"), count(values, "max_views"));
@@ -77,6 +82,8 @@ impl Settings {
         Ok(Self {
             board_file: board_file.into(),
             estimator,
+            psf,
+            response_gamma,
             fixed,
             rules: SessionRules {
                 max_motion_px: (max_motion_px > 0.0).then_some(max_motion_px),
@@ -93,6 +100,21 @@ impl Settings {
             debug_scale: number(values, "debug_scale"),
             jpeg_quality,
         })
+    }
+
+    /// The first parameter by which `other` measures the projected centres in another way, if it does.
+    pub fn measures_differently(&self, other: &Self) -> Option<&'static str> {
+        let differs = [
+            ("estimator", self.estimator != other.estimator),
+            ("psf", self.psf != other.psf),
+            (
+                "response_gamma",
+                self.response_gamma != other.response_gamma,
+            ),
+        ];
+        differs
+            .into_iter()
+            .find_map(|(name, differs)| differs.then_some(name))
     }
 
     /// The folder to save in: `save_dir`, or `ros_home`/ringcal/camera_name.
@@ -119,6 +141,15 @@ fn only(values: &ParameterValues, name: &'static str, known: &str) -> Result<(),
             format!("{value:?} is not supported; {known} is"),
         )),
     }
+}
+
+/// What a text stands for.
+fn parsed<T: FromStr<Err = String>>(
+    values: &ParameterValues,
+    name: &'static str,
+) -> Result<T, ParameterError> {
+    let read = text(values, name).parse();
+    read.map_err(|reason: String| meaning(name, reason))
 }
 
 // The values are of their declared types, so the fallbacks below are never taken.
@@ -154,6 +185,7 @@ fn number(values: &ParameterValues, name: &str) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::centre::photometric::Psf;
 
     fn values(changes: &[(&str, ParameterValue)]) -> ParameterValues {
         let mut values = ParameterValues::default();
@@ -173,6 +205,8 @@ mod tests {
         let settings = Settings::of(&values(&[])).unwrap();
         assert_eq!(settings.rules, SessionRules::default());
         assert_eq!(settings.estimator, Estimator::default());
+        assert_eq!(settings.psf, PsfChoice::default());
+        assert_eq!(settings.response_gamma, ResponseGamma::default());
         assert_eq!(settings.board_file, Path::new("/boards/c4.yaml"));
         assert_eq!(Some(settings.jpeg_quality), Quality::new(80));
         assert_eq!(
@@ -185,6 +219,8 @@ mod tests {
     fn every_parameter_reaches_its_setting() {
         let settings = Settings::of(&values(&[
             ("estimator", word("pole_polar")),
+            ("psf", word("disc")),
+            ("response_gamma", word("auto")),
             ("fixed", ParameterValue::StringArray(vec!["k3".into()])),
             ("min_views", ParameterValue::Integer(5)),
             ("max_views", ParameterValue::Integer(7)),
@@ -197,6 +233,8 @@ mod tests {
         ]))
         .unwrap();
         assert_eq!(settings.estimator, Estimator::PolePolar);
+        assert_eq!(settings.psf, PsfChoice::Fixed(Psf::Disc));
+        assert_eq!(settings.response_gamma, ResponseGamma::Auto);
         assert_eq!(settings.fixed.names(), ["k3"]);
         assert_eq!((settings.rules.min_views, settings.rules.max_views), (5, 7));
         assert_eq!(settings.rules.max_motion_px, None);
@@ -208,10 +246,21 @@ mod tests {
     }
 
     #[test]
+    fn the_response_may_be_a_number() {
+        let given = ParameterValue::Double(2.2);
+        let settings = Settings::of(&values(&[("response_gamma", given)])).unwrap();
+        assert_eq!(settings.response_gamma, ResponseGamma::Fixed(2.2));
+    }
+
+    #[test]
     fn what_makes_no_sense_is_refused_by_name() {
         for (name, value, says) in [
             ("board_file", word(""), "-p board_file:="),
             ("estimator", word("best"), "cross"),
+            ("psf", word("pillbox"), "disc"),
+            ("response_gamma", word("srgb"), "auto"),
+            ("response_gamma", ParameterValue::Double(9.0), "9.0"),
+            ("response_gamma", ParameterValue::Double(f64::NAN), "NaN"),
             ("image_transport", word("theora"), "raw"),
             ("model", word("equidistant"), "plumb_bob"),
             (

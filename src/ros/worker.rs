@@ -234,8 +234,13 @@ impl Worker {
 }
 
 fn detector(configuration: &Configuration) -> Detector {
+    let settings = &configuration.settings;
     let options = DetectOptions {
-        estimator: configuration.settings.estimator,
+        estimator: settings.estimator,
+        psf: settings.psf,
+        response_gamma: settings.response_gamma,
+        // none is known before it is calibrated
+        camera: None,
     };
     Detector::new(configuration.board.clone(), options)
 }

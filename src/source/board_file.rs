@@ -1,11 +1,11 @@
 //! Board files.
 
+use super::text_file::read_at_most;
 use crate::board::{Board, BoardError};
-use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::path::{Path, PathBuf};
 
-/// No board file is longer, bytes; a device or a picture given by mistake may be endless.
+/// No board file is longer, bytes.
 const LONGEST: u64 = 64 * 1024;
 
 /// Why a path gives no board. Every message names the path.
@@ -40,23 +40,15 @@ pub enum BoardFileError {
 /// # Errors
 /// [`BoardFileError`] where it cannot be read or describes no board.
 pub fn read_board(path: &Path) -> Result<Board, BoardFileError> {
-    let unreadable = |reason| BoardFileError::Unreadable {
-        path: path.to_owned(),
-        reason,
-    };
-    let mut text = String::new();
-    let file = File::open(path).map_err(unreadable)?;
-    let read = file
-        .take(LONGEST + 1)
-        .read_to_string(&mut text)
-        .map_err(unreadable)?;
-    if read as u64 > LONGEST {
-        return Err(BoardFileError::TooLong {
-            path: path.to_owned(),
-        });
-    }
+    let owned = || path.to_owned();
+    let text = read_at_most(path, LONGEST)
+        .map_err(|reason| BoardFileError::Unreadable {
+            path: owned(),
+            reason,
+        })?
+        .ok_or_else(|| BoardFileError::TooLong { path: owned() })?;
     Board::from_yaml(&text).map_err(|reason| BoardFileError::NoBoard {
-        path: path.to_owned(),
+        path: owned(),
         reason,
     })
 }

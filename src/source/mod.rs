@@ -4,10 +4,13 @@
 //! own with the reason, and the rest go on. Only the names of a folder and one decoded picture are in memory at a time.
 
 mod board_file;
+mod camera_info_file;
 mod folder;
 mod natural_order;
+mod text_file;
 
 pub use board_file::{BoardFileError, read_board};
+pub use camera_info_file::{CameraInfoFileError, read_camera_info};
 
 use crate::frame::{DecodeError, Frame, Stamp};
 use std::io;

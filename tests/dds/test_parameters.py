@@ -48,7 +48,7 @@ def parameters(ringcal: RingcalProcess, robot: Robot) -> Parameters:
 
 def test_they_can_be_listed_and_read(parameters: Parameters) -> None:
     names = parameters.names()
-    assert {"board_file", "estimator", "min_views", "max_motion_px", "use_sim_time"} <= set(names)
+    assert {"board_file", "estimator", "psf", "response_gamma", "min_views", "max_motion_px", "use_sim_time"} <= set(names)
     assert names == sorted(names)
     assert parameters.get("board_file") == str(BOARD)
     assert parameters.get("min_views") == 10
@@ -64,7 +64,16 @@ def test_a_change_takes_effect(parameters: Parameters, camera: Camera) -> None:
 
 
 @pytest.mark.parametrize(
-    "name, value", [("estimator", "best"), ("jpeg_quality", 0), ("min_views", "ten"), ("board_file", "/nowhere.yaml")]
+    "name, value",
+    [
+        ("estimator", "best"),
+        ("psf", "pillbox"),
+        ("response_gamma", "srgb"),
+        ("response_gamma", 9.5),
+        ("jpeg_quality", 0),
+        ("min_views", "ten"),
+        ("board_file", "/nowhere.yaml"),
+    ],
 )
 def test_a_value_that_makes_no_sense_is_refused_with_the_reason(parameters: Parameters, name: str, value: Any) -> None:
     before = parameters.get(name)
@@ -72,6 +81,13 @@ def test_a_value_that_makes_no_sense_is_refused_with_the_reason(parameters: Para
     assert not result.successful
     assert name in result.reason or str(value) in result.reason
     assert parameters.get(name) == before
+
+
+def test_the_response_is_a_number_or_auto(parameters: Parameters) -> None:
+    for value, taken in [(2.2, "2.2"), (2, "2.0"), ("auto", "auto"), ("1.0", "1.0")]:  # the default again at the end
+        (result,) = parameters.set(response_gamma=value)
+        assert result.successful, result.reason
+        assert parameters.get("response_gamma") == taken
 
 
 def test_each_is_described(parameters: Parameters) -> None:
@@ -104,6 +120,7 @@ def test_the_params_file_that_ships_holds_the_defaults(parameters: Parameters, s
     "arguments, says",
     [
         (("-p", "estimator:=best"), "estimator"),
+        (("-p", "response_gamma:=0.1"), "response_gamma"),
         (("-p", "board_file:=/nowhere.yaml"), "/nowhere.yaml"),
         (("--no-such-flag",), "--no-such-flag"),
         (("-r", "no rule"), "no rule"),

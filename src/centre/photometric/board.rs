@@ -6,13 +6,14 @@
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
 use super::blur::{Blur, Psf};
+use super::choice::PsfChoice;
 use super::fit::RingFitted;
 use super::jury::{Verdict, verdict};
 use super::law::share_perspective;
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
-use super::psf::{Known, PsfChoice};
+use super::psf::Known;
 use super::ring::{RingError, Seen, gate};
 use super::start::window;
 use super::trust::{ALL, OWN, Surroundings};
@@ -151,17 +152,16 @@ impl Under {
 /// Fits all rings that have neighbours in reach (in the first round all); says whether another round may change anything.
 fn fit_round(board: &BoardStart, rings: &mut [Under], round: usize) -> bool {
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let moved = rings
-        .par_iter_mut()
-        .zip(board.places)
-        .enumerate()
-        .map_init(Workspace::default, |room, (i, (ring, place))| {
+    let moved = rings.par_iter_mut().zip(board.places).enumerate().map_init(
+        Workspace::default,
+        |room, (i, (ring, place))| {
             if round > 0 && !ring.crowded {
                 return false;
             }
             fit_one(board, &board.seen(place), ring, (i, &models), room);
             ring.crowded && has_moved(ring, &models[i])
-        });
+        },
+    );
     moved.reduce(|| false, |a, b| a || b)
 }
 

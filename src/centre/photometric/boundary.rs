@@ -40,10 +40,10 @@ pub(super) fn trace(
     let scale = 1.0 / grid.pixel_px;
     let square = radius * radius;
     let (sin, cos) = ellipse.angle.sin_cos();
-    let (major, minor) = ([ellipse.major * cos, ellipse.major * sin], [
-        -ellipse.minor * sin,
-        ellipse.minor * cos,
-    ]);
+    let (major, minor) = (
+        [ellipse.major * cos, ellipse.major * sin],
+        [-ellipse.minor * sin, ellipse.minor * cos],
+    );
     let middle = ellipse.centre - shape.centre;
     let length = std::f64::consts::TAU * ellipse.major * scale;
     let count = (length / spacing).ceil().clamp(NODES.0, NODES.1);

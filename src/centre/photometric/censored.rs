@@ -7,7 +7,7 @@
 use super::coverage::{COVERAGE_PARAMETERS, Coverage};
 use super::model::{PARAMETERS, RingModel, Row};
 use super::problem::Problem;
-use super::window::{Grid, End};
+use super::window::{End, Grid};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::ops::Range;
 

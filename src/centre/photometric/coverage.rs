@@ -73,7 +73,14 @@ impl Coverage {
                     self.gaussian.prepare(grid, &self.nodes, kernel_size);
                     let nodes = &self.nodes;
                     let kernel = &self.gaussian;
-                    lay(kernel, nodes, grid, &mut self.circles[circle], &mut self.changes, contrast);
+                    lay(
+                        kernel,
+                        nodes,
+                        grid,
+                        &mut self.circles[circle],
+                        &mut self.changes,
+                        contrast,
+                    );
                 }
                 Psf::Disc => {
                     let spacing = Disc::spacing(kernel_size);
@@ -81,7 +88,14 @@ impl Coverage {
                     self.disc.prepare(grid, &self.nodes, kernel_size);
                     let nodes = &self.nodes;
                     let kernel = &self.disc;
-                    lay(kernel, nodes, grid, &mut self.circles[circle], &mut self.changes, contrast);
+                    lay(
+                        kernel,
+                        nodes,
+                        grid,
+                        &mut self.circles[circle],
+                        &mut self.changes,
+                        contrast,
+                    );
                 }
             }
         }
@@ -163,7 +177,9 @@ fn lay<K: Kernel>(
             constant[0] += beyond[vector][0];
             constant[1] += beyond[vector][1];
             let at = i * stride + vector * LANES;
-            let here = active.iter().filter(|a| a.reach.first <= vector && vector < a.reach.past);
+            let here = active
+                .iter()
+                .filter(|a| a.reach.first <= vector && vector < a.reach.past);
             match contrast {
                 None => {
                     let mut total = [constant[0]; LANES];
@@ -197,7 +213,11 @@ fn lay<K: Kernel>(
                     for (plane, by) in changes.iter_mut().zip(&by_shape) {
                         add(&mut plane[at..at + LANES], contrast, by);
                     }
-                    add(&mut changes[SHAPE_PARAMETERS][at..at + LANES], contrast, &by_blur);
+                    add(
+                        &mut changes[SHAPE_PARAMETERS][at..at + LANES],
+                        contrast,
+                        &by_blur,
+                    );
                 }
             }
         }

@@ -119,9 +119,7 @@ impl Fit<'_, '_> {
         if pixels < 2 * PARAMETERS {
             return Err(FitError::TooFewPixels { pixels });
         }
-        let normal = room
-            .normal(problem, start)
-            .ok_or(FitError::Undetermined)?;
+        let normal = room.normal(problem, start).ok_or(FitError::Undetermined)?;
         let mut fit = Fit {
             problem,
             room,
@@ -183,7 +181,10 @@ impl Fit<'_, '_> {
                 }
                 continue;
             }
-            match self.room.normal(self.problem, &self.start.with_parameters(&next)) {
+            match self
+                .room
+                .normal(self.problem, &self.start.with_parameters(&next))
+            {
                 Some(normal) if normal.squares < self.normal.squares => {
                     self.parameters = next;
                     self.normal = normal;
@@ -242,9 +243,8 @@ impl Fit<'_, '_> {
         let scales = Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
         let scaled = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
         let inverse = scaled.cholesky().ok_or(FitError::Undetermined)?.inverse();
-        let covariance = ShapeCovariance::from_fn(|i, j| {
-            inverse[(i, j)] * scales[i] * scales[j] * variance
-        });
+        let covariance =
+            ShapeCovariance::from_fn(|i, j| inverse[(i, j)] * scales[i] * scales[j] * variance);
         Ok(RingFitted {
             model: self.start.with_parameters(&self.parameters),
             covariance,

@@ -3,11 +3,12 @@
 
 use super::blur::{Blur, Psf};
 use super::board::{BoardPlace, BoardStart, MARGIN_SIGMAS};
+use super::choice::PsfChoice;
 use super::fit::RingFitted;
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
-use super::psf::{Both, Known, PsfChoice};
+use super::psf::{Both, Known};
 use super::ring::gate;
 use super::shape::Shape;
 use super::start::{levels, window};
@@ -75,8 +76,16 @@ pub(super) fn verdict(frame: &Frame, board: &BoardStart, view: Option<&PlaneView
         })
         .flatten()
         .collect();
-    let evidence: f64 = heard.iter().filter_map(|(_, both)| both.disc_over_gaussian()).sum();
-    let found = |psf| heard.iter().filter(|(_, both)| both.of(psf).is_ok()).count();
+    let evidence: f64 = heard
+        .iter()
+        .filter_map(|(_, both)| both.disc_over_gaussian())
+        .sum();
+    let found = |psf| {
+        heard
+            .iter()
+            .filter(|(_, both)| both.of(psf).is_ok())
+            .count()
+    };
     let disc = evidence > 0.0 || found(Psf::Disc) > found(Psf::Gaussian);
     let psf = if disc { Psf::Disc } else { Psf::Gaussian };
     let fits: Vec<(BoardPlace, RingFitted)> = heard
@@ -85,7 +94,11 @@ pub(super) fn verdict(frame: &Frame, board: &BoardStart, view: Option<&PlaneView
         .collect();
     Verdict {
         psf,
-        size: median(fits.iter().map(|(place, fitted)| relative_size(place, fitted))).unwrap_or(1.0),
+        size: median(
+            fits.iter()
+                .map(|(place, fitted)| relative_size(place, fitted)),
+        )
+        .unwrap_or(1.0),
         sigma_px: sigma_law(board, &fits),
         levels: common_levels(board, &fits),
     }
@@ -100,7 +113,13 @@ fn jurors(places: &[BoardPlace]) -> Vec<usize> {
     };
     let ((x, half_x), (y, half_y)) = (range(|p| p.plane_m.x), range(|p| p.plane_m.y));
     let mut chosen = Vec::new();
-    for (u, v) in [(0.0, 0.0), (-0.6, -0.6), (0.6, 0.6), (0.6, -0.6), (-0.6, 0.6)] {
+    for (u, v) in [
+        (0.0, 0.0),
+        (-0.6, -0.6),
+        (0.6, 0.6),
+        (0.6, -0.6),
+        (-0.6, 0.6),
+    ] {
         let wanted = Point2::new(x + u * half_x, y + v * half_y);
         let nearest = (0..places.len()).min_by(|&a, &b| {
             let apart = |i: usize| (places[i].plane_m - wanted).norm();
@@ -129,8 +148,18 @@ fn hear(
     room: &mut Workspace,
 ) -> Option<Both> {
     let sharp = is_sharp(board, place);
-    let cut_px = if sharp { place.sigma_px } else { HEAVY * place.sigma_px };
-    let pixels = window(frame, &place.outline, cut_px, 0.75 * MARGIN_SIGMAS, board.linear)?;
+    let cut_px = if sharp {
+        place.sigma_px
+    } else {
+        HEAVY * place.sigma_px
+    };
+    let pixels = window(
+        frame,
+        &place.outline,
+        cut_px,
+        0.75 * MARGIN_SIGMAS,
+        board.linear,
+    )?;
     let known = Known {
         window: &pixels,
         ratio: board.ratio,
@@ -146,7 +175,9 @@ fn hear(
     } else {
         (&SIZES[..], &BLURS[..])
     };
-    let tried = sizes.iter().flat_map(|size| blurs.iter().map(move |blur| (size, blur)));
+    let tried = sizes
+        .iter()
+        .flat_map(|size| blurs.iter().map(move |blur| (size, blur)));
     let (_, start) = tried
         .filter_map(|(size, blur)| {
             let blur = Blur::of_sigma(start_psf, (blur * place.sigma_px).max(0.2));
@@ -172,7 +203,9 @@ fn hear(
 fn relative_size(place: &BoardPlace, fitted: &RingFitted) -> f64 {
     let [xx, xy, yy] = fitted.model.shape.affine;
     let seen = place.outline.major * place.outline.minor;
-    ((xx * yy - xy * xy).max(f64::MIN_POSITIVE).sqrt() * seen).sqrt().recip()
+    ((xx * yy - xy * xy).max(f64::MIN_POSITIVE).sqrt() * seen)
+        .sqrt()
+        .recip()
 }
 
 fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -203,7 +236,11 @@ fn sigma_law(board: &BoardStart, fits: &[(BoardPlace, RingFitted)]) -> Vector3<f
 
 fn common_levels(board: &BoardStart, fits: &[(BoardPlace, RingFitted)]) -> [f64; 3] {
     let of = |pick: fn(&RingModel) -> f64| median(fits.iter().map(|(_, f)| pick(&f.model)));
-    let (light, dark) = if board.sign > 0.0 { (0.8, 0.2) } else { (0.2, 0.8) };
+    let (light, dark) = if board.sign > 0.0 {
+        (0.8, 0.2)
+    } else {
+        (0.2, 0.8)
+    };
     [
         of(|m| m.paper).unwrap_or(light),
         of(|m| m.ring).unwrap_or(dark),

@@ -77,7 +77,8 @@ impl PerspectiveLaw {
         for ring in rings {
             let row = law.row(&ring.model.shape.centre);
             let weight = perspective_covariance(ring).try_inverse()?;
-            let missing = ring.model.shape.perspective - law.view.perspective(&ring.model.shape.centre);
+            let missing =
+                ring.model.shape.perspective - law.view.perspective(&ring.model.shape.centre);
             normal += row.transpose() * weight * &row;
             right += row.transpose() * (weight * missing);
         }

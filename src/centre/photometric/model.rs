@@ -75,7 +75,13 @@ impl RingModel {
 
     /// Light of the pixels of one row, from the coverages of both circles there.
     #[inline(always)]
-    pub(super) fn light(&self, grid: &Grid, row: usize, [outer, inner]: [&[f32]; 2], out: &mut [f32]) {
+    pub(super) fn light(
+        &self,
+        grid: &Grid,
+        row: usize,
+        [outer, inner]: [&[f32]; 2],
+        out: &mut [f32],
+    ) {
         let shades = Shades::new(self, grid, row);
         let paper = self.paper as f32;
         let [dark, light] = self.contrasts().map(|c| c as f32);
@@ -150,7 +156,11 @@ impl Row {
         let mut columns = self.data.chunks_exact_mut(stride);
         for (k, plane) in coverage.changes.iter().enumerate() {
             // the blur's size is in frame pixels, the change of the coverage by one of the grid
-            let scale = if k == BLUR { 1.0 / grid.pixel_px as f32 } else { 1.0 };
+            let scale = if k == BLUR {
+                1.0 / grid.pixel_px as f32
+            } else {
+                1.0
+            };
             let Some(out) = columns.next() else { return };
             let changes = &plane[span.clone()];
             for i in 0..stride {

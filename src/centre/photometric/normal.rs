@@ -45,7 +45,10 @@ mod tests {
             let true_density = (-0.5 * u * u).exp() * 0.398_942_280_401_432_7;
             let true_cumulative = 0.5 * libm::erfc(-u * std::f64::consts::FRAC_1_SQRT_2);
             assert!((f64::from(density) - true_density).abs() < 2e-7, "{u}");
-            assert!((f64::from(cumulative) - true_cumulative).abs() < 2e-7, "{u}");
+            assert!(
+                (f64::from(cumulative) - true_cumulative).abs() < 2e-7,
+                "{u}"
+            );
         }
     }
 }

@@ -35,7 +35,8 @@ impl PlaneView {
         let plane = self.back * at.to_homogeneous() / w;
         let q = self.perspective(at);
         // d plane / d px at the centre; what is left of the map is the perspective's
-        let linear = Matrix2::from_fn(|i, j| (self.back[(i, j)] - plane[i] * self.back[(2, j)]) / w);
+        let linear =
+            Matrix2::from_fn(|i, j| (self.back[(i, j)] - plane[i] * self.back[(2, j)]) / w);
         let form = linear.tr_mul(&linear) / (radius_m * radius_m);
         Shape {
             centre: *at,

@@ -1,12 +1,12 @@
 //! Residuals of a window under a model, and their normal equations.
 
-use super::censored::Censored;
 use super::blur::Blur;
+use super::censored::Censored;
 use super::coverage::Coverage;
 use super::gram::{Gradient, Gram};
 use super::model::{Matrix, RingModel, Row, Vector};
-use super::shape::Shape;
 use super::psf::Known;
+use super::shape::Shape;
 use super::window::{Grid, Window};
 use pulp::Arch;
 
@@ -67,7 +67,8 @@ impl Workspace {
                 let contrasts = Some(model.contrasts());
                 let (shape, blur) = (&model.shape, &model.blur);
                 let (ratio, around) = (problem.ratio, problem.around);
-                room.coverage.fill(grid, (shape, blur), ratio, contrasts, around)?;
+                room.coverage
+                    .fill(grid, (shape, blur), ratio, contrasts, around)?;
                 let mut gram = Gram::new();
                 let mut beyond = 0.0;
                 for row in 0..grid.height {
@@ -87,14 +88,19 @@ impl Workspace {
     }
 
     /// Sum of squares at a model, and the gradient with the changes of an earlier one; `None` where the shape is no ring.
-    pub(super) fn gradient(&mut self, problem: &Problem, model: &RingModel) -> Option<(Vector, f64)> {
+    pub(super) fn gradient(
+        &mut self,
+        problem: &Problem,
+        model: &RingModel,
+    ) -> Option<(Vector, f64)> {
         self.dispatch(
             #[inline(always)]
             |room| {
                 let grid = &problem.window.grid;
                 let (shape, blur) = (&model.shape, &model.blur);
                 let (ratio, around) = (problem.ratio, problem.around);
-                room.coverage.fill(grid, (shape, blur), ratio, None, around)?;
+                room.coverage
+                    .fill(grid, (shape, blur), ratio, None, around)?;
                 let mut sums = Gradient::new();
                 let mut beyond = 0.0;
                 for row in 0..grid.height {
@@ -175,7 +181,9 @@ impl Workspace {
     /// Derivatives and residuals of one row. Returns what censored pixels add to the sum of squares beyond their residuals.
     #[inline(always)]
     fn fill_row(&mut self, problem: &Problem, model: &RingModel, row: usize) -> f64 {
-        let Self { coverage, row: out, .. } = self;
+        let Self {
+            coverage, row: out, ..
+        } = self;
         let window = problem.window;
         let (grid, stride) = (&window.grid, window.grid.stride());
         let span = row * stride..(row + 1) * stride;

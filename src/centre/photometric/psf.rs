@@ -5,6 +5,7 @@
 //! lens but each its own window and noise, these add up.
 
 use super::blur::{Blur, Psf};
+use super::choice::PsfChoice;
 use super::fit::{FitError, RingFitted, fit};
 use super::model::RingModel;
 use super::problem::Workspace;
@@ -16,16 +17,6 @@ use super::window::Window;
 const DISC_STARTS: [f64; 4] = [1.7, 2.0, 2.4, 3.0];
 /// A smaller disc than this hardly changes with its radius, px.
 const LEAST_START_PX: f64 = 0.5;
-
-/// Which blur to fit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum PsfChoice {
-    /// The likelier.
-    #[default]
-    Auto,
-    /// This one.
-    Fixed(Psf),
-}
 
 /// A ring fitted with either blur, as far as asked for.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,10 +1,11 @@
 //! One ring measured by its grey values alone: window, starts, fit, and the gate that decides whether to believe it.
 
 use super::blur::{Blur, Psf};
+use super::choice::PsfChoice;
 use super::fit::{FitError, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
-use super::psf::{Known, PsfChoice};
+use super::psf::Known;
 use super::shape::Shape;
 use super::start::{levels, window};
 use super::window::Window;
@@ -94,7 +95,10 @@ pub fn measure_ring(
             Some(before) => {
                 let psf = before.model.blur.psf;
                 let again = known(&pixels, ring).fit_with(&before.model, psf, room);
-                match again.map_err(RingError::from).and_then(|f| gate(&ring.seen, f)) {
+                match again
+                    .map_err(RingError::from)
+                    .and_then(|f| gate(&ring.seen, f))
+                {
                     Ok(fitted) => fitted,
                     Err(_) => break,
                 }
@@ -133,7 +137,10 @@ fn fit_starts(
     let mut failure = RingError::Fit(FitError::Undetermined);
     for start in starts.iter().take(FITTED) {
         let fitted = known(window, ring).fit_choice(start, ring.psf, room);
-        match fitted.map_err(RingError::from).and_then(|f| gate(&ring.seen, f)) {
+        match fitted
+            .map_err(RingError::from)
+            .and_then(|f| gate(&ring.seen, f))
+        {
             Ok(fitted) if best.is_none_or(|b| fitted.squares < b.squares) => best = Some(fitted),
             Ok(_) => {}
             Err(error) => failure = error,

@@ -74,7 +74,9 @@ impl Window {
     /// Cuts a window out of a frame, each of its pixels the mean light of `bin` x `bin`; `None` where nothing is left.
     pub fn cut(frame: &Frame, rectangle: Rectangle, bin: usize, linear: &Linear) -> Option<Self> {
         match &frame.pixels {
-            Pixels::U8(plane) => Self::cut_plane(plane, rectangle, bin, (0, u8::MAX), |v| linear.of_u8(v)),
+            Pixels::U8(plane) => {
+                Self::cut_plane(plane, rectangle, bin, (0, u8::MAX), |v| linear.of_u8(v))
+            }
             Pixels::U16(plane) => {
                 Self::cut_plane(plane, rectangle, bin, (0, u16::MAX), |v| linear.of_u16(v))
             }

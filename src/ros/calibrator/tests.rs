@@ -266,24 +266,24 @@ fn another_frame_id_or_size_ends_the_calibration() {
 }
 
 #[test]
-fn a_new_board_or_estimator_starts_anew_and_other_parameters_do_not() {
+fn a_new_board_or_way_to_measure_starts_anew_and_other_parameters_do_not() {
+    let word = |text: &str| ParameterValue::String(text.to_owned());
     for (name, value, anew) in [
-        (
-            "estimator",
-            ParameterValue::String("pole_polar".to_owned()),
-            true,
-        ),
+        ("estimator", word("pole_polar"), true),
+        ("psf", word("disc"), true),
+        ("response_gamma", ParameterValue::Double(2.2), true),
+        // said in another way
+        ("response_gamma", ParameterValue::Integer(1), false),
         ("min_views", ParameterValue::Integer(5), false),
-        (
-            "camera_name",
-            ParameterValue::String("left".to_owned()),
-            false,
-        ),
+        ("camera_name", word("left"), false),
     ] {
         let mut calibrator = calibrator(&[]);
         show_all(&mut calibrator);
         calibrator.configure(configuration(&[(name, value)]));
         assert_eq!(calibrator.session().views().is_empty(), anew, "{name}");
+        let guidance = calibrator.status(FrameCounts::default()).guidance;
+        let said = guidance == format!("another {name}: started anew");
+        assert_eq!(said, anew, "{guidance}");
     }
     let mut calibrator = calibrator(&[]);
     show_all(&mut calibrator);

@@ -1,0 +1,37 @@
+//! How projected centres are measured: the options that `detect` and `calibrate` have in common.
+
+use crate::centre::Estimator;
+use crate::centre::photometric::{PsfChoice, ResponseGamma};
+use crate::detect::DetectOptions;
+
+/// The options of a command that measures centres.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Measuring {
+    /// What gives the projected centre: big_ellipse, small_ellipse, one_sided, cross, pole_polar or photometric.
+    #[arg(long, value_name = "NAME", default_value = Estimator::default().name())]
+    pub estimator: Estimator,
+    /// Shape of the blur, for photometric: gaussian, disc (a round aperture far out of focus), or auto, the likelier.
+    #[arg(long, value_name = "auto|gaussian|disc", default_value_t)]
+    psf: PsfChoice,
+    /// How grey values follow the light, for photometric: grey = light^(1/G) with G from 0.2 to 5 (1: proportional;
+    /// about 2.2: pictures made for people), or auto, which estimates G.
+    #[arg(
+        long,
+        value_name = "G|auto",
+        default_value_t,
+        allow_negative_numbers = true
+    )]
+    response_gamma: ResponseGamma,
+}
+
+impl Measuring {
+    /// For a detector, without a camera.
+    pub fn options(&self) -> DetectOptions {
+        DetectOptions {
+            estimator: self.estimator,
+            psf: self.psf,
+            response_gamma: self.response_gamma,
+            camera: None,
+        }
+    }
+}

@@ -51,6 +51,9 @@ pub enum Estimator {
 }
 
 impl Estimator {
+    /// What gives the centre of a ring that the photometric estimator cannot measure.
+    pub const FALLBACK: Self = Self::Cross;
+
     /// Every estimator, in the order of the documentation.
     pub const ALL: [Self; 6] = [
         Self::BigEllipse,

@@ -1,35 +1,47 @@
 //! The projected centres of the rings that were found, by the estimator that was asked for.
 
-use super::detection::Ring;
+use super::detection::{FellBack, Measured, Ring};
+use super::detector::DetectOptions;
 use super::grid::Placed;
 use crate::board::Board;
-use crate::camera::homography::fit_homography;
-use crate::centre::photometric::{BoardPlace, BoardStart, PsfChoice, measure_board};
-use crate::centre::{Centre, CentreEstimator, Cross, Estimator, RingEllipses};
+use crate::camera::homography::{apply, fit_homography};
+use crate::centre::photometric::{
+    BoardPlace, BoardStart, RingError, RingFitted, RingMeasured, measure_board,
+};
+use crate::centre::{Centre, CentreEstimator, Ellipse, Estimator, RingEllipses};
 use crate::frame::{Frame, Linear};
 use nalgebra::{Matrix3, Point2};
 
-/// The rings of a board with their centres; `sign` is 1 for dark rings, -1 for light ones. A ring whose ellipses have no
-/// projected centre is left out.
+/// A ring so far from its neighbours' prediction, in minor semi-axes, is something else.
+const FARTHEST: f64 = 0.6;
+
+/// The rings of a board with their centres, and what the photometric estimator says of the frame; `sign` is 1 for dark rings, -1
+/// for light ones. A ring whose ellipses have no projected centre is left out.
 pub(super) fn centres(
     frame: &Frame,
     board: &Board,
     placed: &[Placed],
-    estimator: Estimator,
+    options: &DetectOptions,
+    linear: &Linear,
     sign: f64,
-) -> Vec<Ring> {
-    match estimator.construction() {
-        Some(construction) => placed
-            .iter()
-            .filter_map(|ring| constructed(ring, construction.as_ref()))
-            .collect(),
-        None => photometric(frame, board, placed, sign),
+) -> (Vec<Ring>, Option<Measured>) {
+    match options.estimator.construction() {
+        Some(construction) => {
+            let rings = placed
+                .iter()
+                .filter_map(|ring| constructed(ring, construction.as_ref()));
+            (rings.collect(), None)
+        }
+        None => {
+            let (rings, measured) = photometric(frame, board, placed, options, linear, sign);
+            (rings, Some(measured))
+        }
     }
 }
 
 /// `None` where the ellipses have no projected centre, or the construction puts it outside the inner circle: blur has
 /// then spoilt their shapes beyond what it bears.
-fn constructed(placed: &Placed, construction: &dyn CentreEstimator) -> Option<Ring> {
+pub(super) fn constructed(placed: &Placed, construction: &dyn CentreEstimator) -> Option<Ring> {
     let centre = construction.estimate(&placed.ellipses).ok()?;
     placed
         .ellipses
@@ -41,13 +53,43 @@ fn constructed(placed: &Placed, construction: &dyn CentreEstimator) -> Option<Ri
             centre,
             ellipses: placed.ellipses,
             blur_sigma_px: placed.blur_sigma_px,
+            window: None,
         })
 }
 
-/// Measures every ring by its grey values. A ring that cannot be measured so gets the paper's centre, without a covariance.
-fn photometric(frame: &Frame, board: &Board, placed: &[Placed], sign: f64) -> Vec<Ring> {
-    let linear = Linear::new(1.0, false);
-    let places: Vec<BoardPlace> = placed
+/// A ring as a fit of its grey values draws it; `None` where that is no ellipse.
+pub(super) fn drawn(
+    (row, column): (u16, u16),
+    centre: Centre,
+    fitted: &RingFitted,
+    ratio: f64,
+) -> Option<Ring> {
+    let shape = fitted.model.shape;
+    Some(Ring {
+        row,
+        column,
+        centre,
+        ellipses: RingEllipses {
+            inner: shape.ellipse(ratio)?,
+            outer: shape.ellipse(1.0)?,
+        },
+        blur_sigma_px: fitted.model.blur.sigma_px(),
+        window: None,
+    })
+}
+
+/// Measures every ring by its grey values, those too that showed no edges but must be there. A ring that was seen and cannot be
+/// measured so gets the paper's centre, without a covariance.
+fn photometric(
+    frame: &Frame,
+    board: &Board,
+    placed: &[Placed],
+    options: &DetectOptions,
+    linear: &Linear,
+    sign: f64,
+) -> (Vec<Ring>, Measured) {
+    let mut at: Vec<(u16, u16)> = placed.iter().map(|ring| (ring.row, ring.column)).collect();
+    let mut places: Vec<BoardPlace> = placed
         .iter()
         .map(|ring| BoardPlace {
             plane_m: Point2::from(board.centre_m(ring.row, ring.column)),
@@ -55,38 +97,122 @@ fn photometric(frame: &Frame, board: &Board, placed: &[Placed], sign: f64) -> Ve
             sigma_px: ring.blur_sigma_px,
         })
         .collect();
+    for (label, place) in unseen(frame, board, placed) {
+        at.push(label);
+        places.push(place);
+    }
     let start = BoardStart {
         places: &places,
+        outer_radius_m: board.outer_radius_m(),
         ratio: board.radius_ratio(),
         sign,
-        psf: PsfChoice::Auto,
-        linear: &linear,
+        psf: options.psf,
+        linear,
     };
     let measured = measure_board(frame, &start);
-    placed
-        .iter()
-        .zip(measured.rings)
-        .filter_map(|(ring, measured)| match measured {
-            Ok(measured) => {
-                let shape = measured.fitted.model.shape;
-                let ellipses = RingEllipses {
-                    inner: shape.ellipse(board.radius_ratio())?,
-                    outer: shape.ellipse(1.0)?,
-                };
-                Some(Ring {
-                    row: ring.row,
-                    column: ring.column,
-                    centre: Centre {
-                        point: measured.centre,
-                        covariance: Some(measured.covariance),
-                    },
-                    ellipses,
-                    blur_sigma_px: measured.fitted.model.blur.sigma_px(),
-                })
+    let mut report = Measured {
+        psf: measured.psf,
+        response_gamma: linear.gamma(),
+        fell_back: Vec::new(),
+    };
+    let mut rings = Vec::with_capacity(places.len());
+    for (i, result) in measured.rings.into_iter().enumerate() {
+        match result {
+            Ok(ring) if is_expected(&places[i], &ring) => {
+                rings.extend(of_measured(at[i], ring, board.radius_ratio()));
             }
-            Err(_) => constructed(ring, &Cross::default()),
+            Ok(_) => {}
+            Err(reason) => {
+                rings.extend(
+                    placed
+                        .get(i)
+                        .and_then(|ring| fall_back(ring, reason, &mut report)),
+                );
+            }
+        }
+    }
+    rings.sort_by_key(|ring| (ring.row, ring.column));
+    (rings, report)
+}
+
+fn of_measured(at: (u16, u16), ring: RingMeasured, ratio: f64) -> Option<Ring> {
+    let centre = Centre {
+        point: ring.centre,
+        covariance: Some(ring.covariance),
+    };
+    let drawn = drawn(at, centre, &ring.fitted, ratio)?;
+    Some(Ring {
+        window: Some(ring),
+        ..drawn
+    })
+}
+
+fn fall_back(ring: &Placed, reason: RingError, report: &mut Measured) -> Option<Ring> {
+    let construction = Estimator::FALLBACK.construction()?;
+    report.fell_back.push(FellBack {
+        row: ring.row,
+        column: ring.column,
+        reason,
+    });
+    constructed(ring, construction.as_ref())
+}
+
+fn is_expected(place: &BoardPlace, ring: &RingMeasured) -> bool {
+    let off = (ring.centre - place.outline.centre).norm();
+    off < FARTHEST * place.outline.minor
+}
+
+/// The board's rings that showed no edges, where those that did say they are, as far as they lie inside the frame.
+fn unseen(frame: &Frame, board: &Board, placed: &[Placed]) -> Vec<((u16, u16), BoardPlace)> {
+    let pairs: Vec<_> = placed
+        .iter()
+        .map(|ring| {
+            let plane = Point2::from(board.centre_m(ring.row, ring.column));
+            (plane, ring.ellipses.outer.centre)
         })
+        .collect();
+    let Some(homography) = fit_homography(&pairs) else {
+        return Vec::new();
+    };
+    let labels = (0..board.rows()).flat_map(|row| (0..board.columns()).map(move |c| (row, c)));
+    labels
+        .filter(|&(row, column)| {
+            !placed
+                .iter()
+                .any(|ring| (ring.row, ring.column) == (row, column))
+        })
+        .filter_map(|label| Some((label, predicted(frame, board, placed, &homography, label)?)))
         .collect()
+}
+
+/// A ring as its nearest neighbour shows itself, at the place where the plane puts it.
+fn predicted(
+    frame: &Frame,
+    board: &Board,
+    placed: &[Placed],
+    homography: &Matrix3<f64>,
+    (row, column): (u16, u16),
+) -> Option<BoardPlace> {
+    let plane = Point2::from(board.centre_m(row, column));
+    let apart = |ring: &Placed| {
+        let (dr, dc) = (ring.row.abs_diff(row), ring.column.abs_diff(column));
+        u32::from(dr) * u32::from(dr) + u32::from(dc) * u32::from(dc)
+    };
+    let nearest = placed.iter().min_by_key(|ring| apart(ring))?;
+    let there = Point2::from(board.centre_m(nearest.row, nearest.column));
+    // what the lens bends the neighbour by, it bends this ring by
+    let bend = nearest.ellipses.outer.centre - apply(homography, there)?;
+    let outline = Ellipse {
+        centre: apply(homography, plane)? + bend,
+        ..nearest.ellipses.outer
+    };
+    let (x, y) = (outline.centre.x, outline.centre.y);
+    let inside = |v: f64, size: usize| v >= outline.major && v <= size as f64 - 1.0 - outline.major;
+    (inside(x, frame.width()) && inside(y, frame.height())).then_some(BoardPlace {
+        plane_m: plane,
+        outline,
+        sigma_px: nearest.blur_sigma_px,
+    })
 }
 
 /// Board plane (m) to frame (px) through the centres; `None` where they determine none.

@@ -1,5 +1,6 @@
 //! What was found in one frame, or why nothing was.
 
+use crate::centre::photometric::{Psf, RingError, RingMeasured};
 use crate::centre::{Centre, RingEllipses};
 use nalgebra::Matrix3;
 
@@ -35,6 +36,30 @@ pub struct Ring {
     pub ellipses: RingEllipses,
     /// Standard deviation of the Gaussian that best explains the blur of its edges, px.
     pub blur_sigma_px: f64,
+    /// Its pixels and their fit, where the photometric estimator measured it: what a second pass works from.
+    pub window: Option<RingMeasured>,
+}
+
+/// What the photometric estimator says of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// The shape of the blur.
+    pub psf: Psf,
+    /// The gamma of the response that was undone.
+    pub response_gamma: f64,
+    /// Rings that could not be measured so; they have the paper's centre, without a covariance.
+    pub fell_back: Vec<FellBack>,
+}
+
+/// A ring whose grey values could not be fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FellBack {
+    /// Row on the board.
+    pub row: u16,
+    /// Column on the board.
+    pub column: u16,
+    /// Why.
+    pub reason: RingError,
 }
 
 /// A board found in a frame; rings sorted by row, then column.
@@ -51,6 +76,8 @@ pub struct Detection {
     /// Board plane (m) to frame (px), least squares over the centres; for a single ring a scaled identity at its
     /// centre.
     pub homography: Matrix3<f64>,
+    /// What the photometric estimator says; `None` where another one was asked for.
+    pub photometric: Option<Measured>,
 }
 
 impl Detection {

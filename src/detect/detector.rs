@@ -2,15 +2,14 @@
 
 use super::centres::{board_homography, centres};
 use super::detection::{Detection, Indices, Miss};
-use super::grid::{Placed, find_grid};
-use super::ring_fit::RingFit;
+use super::grid::find_grid;
 use super::rings::{add_drowned, find_rings};
+use super::single::find_single;
 use crate::board::{Board, Polarity};
 use crate::camera::Camera;
+use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
-use crate::centre::{Ellipse, Estimator, RingEllipses};
-use crate::frame::Frame;
-use nalgebra::Matrix3;
+use crate::frame::{Frame, Linear, Pixels};
 
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -87,16 +86,18 @@ impl Detector {
 
     /// `sign` is 1 for dark rings, -1 for light ones.
     fn detect_sign(&self, frame: &Frame, sign: f64) -> Result<Detection, Miss> {
+        let linear = self.linear(frame);
+        if self.board.is_single() {
+            return find_single(frame, &self.board, &self.options, &linear, sign);
+        }
         let ratio = self.board.radius_ratio();
         let rings = find_rings(frame, sign, ratio);
-        if self.board.is_single() {
-            return self.single(frame, rings, sign);
-        }
         let placed = find_grid(frame, &self.board, &rings, sign).or_else(|_| {
             let all = add_drowned(frame, rings, sign, ratio);
             find_grid(frame, &self.board, &all, sign)
         })?;
-        let rings = centres(frame, &self.board, &placed, self.options.estimator, sign);
+        let (rings, photometric) =
+            centres(frame, &self.board, &placed, &self.options, &linear, sign);
         let homography = board_homography(&self.board, &rings).ok_or(Miss::NoGrid {
             found: rings.len(),
             rows: self.board.rows(),
@@ -108,49 +109,16 @@ impl Detector {
             indices: Indices::Absolute,
             rings,
             homography,
+            photometric,
         })
     }
 
-    /// The most conspicuous ring of the frame for a board of one. Where its inner circle has drowned, it is drawn where the
-    /// board says.
-    fn single(&self, frame: &Frame, rings: Vec<RingFit>, sign: f64) -> Result<Detection, Miss> {
-        let ratio = self.board.radius_ratio();
-        let rings = if rings.is_empty() {
-            add_drowned(frame, rings, sign, ratio)
-        } else {
-            rings
+    /// Light from this frame's grey values.
+    fn linear(&self, frame: &Frame) -> Linear {
+        let gamma = match self.options.response_gamma {
+            ResponseGamma::Fixed(gamma) => gamma,
+            ResponseGamma::Auto => 1.0,
         };
-        let size = |r: &RingFit| r.contrast * r.outer.major * r.outer.minor;
-        let fit = rings
-            .iter()
-            .max_by(|a, b| size(a).total_cmp(&size(b)))
-            .ok_or(Miss::NoRing)?;
-        let outer = fit.outer;
-        let drowned = Ellipse {
-            major: ratio * outer.major,
-            minor: ratio * outer.minor,
-            ..outer
-        };
-        let placed = Placed {
-            row: 0,
-            column: 0,
-            ellipses: RingEllipses {
-                inner: fit.inner.unwrap_or(drowned),
-                outer,
-            },
-            blur_sigma_px: fit.blur_sigma_px,
-        };
-        let ring = centres(frame, &self.board, &[placed], self.options.estimator, sign)
-            .pop()
-            .ok_or(Miss::NoRing)?;
-        let scale = (outer.major * outer.minor).sqrt() / self.board.outer_radius_m();
-        let (x, y) = (ring.centre.point.x, ring.centre.point.y);
-        Ok(Detection {
-            width: frame.width(),
-            height: frame.height(),
-            indices: Indices::Absolute,
-            homography: Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0),
-            rings: vec![ring],
-        })
+        Linear::new(gamma, matches!(frame.pixels, Pixels::U16(_)))
     }
 }

@@ -11,11 +11,13 @@ mod ellipse_fit;
 mod grid;
 mod labelling;
 mod orientation;
+mod patch;
 mod places;
 mod plausible;
 mod profile;
 mod ring_fit;
 mod rings;
+mod single;
 
-pub use detection::{Detection, Indices, Miss, Ring};
+pub use detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
 pub use detector::{DetectOptions, Detector};

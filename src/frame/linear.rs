@@ -3,7 +3,7 @@
 /// Light, 1 at full scale, of every grey value of a camera whose grey is light to the power of 1 / gamma.
 #[derive(Debug, Clone)]
 pub struct Linear {
-    gamma: f32,
+    gamma: f64,
     /// Light of the 256 grey values of 8 bit.
     bytes: Box<[f32; 256]>,
     /// Light of the 65536 grey values of 16 bit; empty where they are light already.
@@ -28,10 +28,15 @@ impl Linear {
             Vec::new()
         };
         Self {
-            gamma: gamma as f32,
+            gamma,
             bytes: Box::new(std::array::from_fn(|v| light(v as f64 / 255.0))),
             words,
         }
+    }
+
+    /// The response's gamma.
+    pub fn gamma(&self) -> f64 {
+        self.gamma
     }
 
     /// Light of an 8-bit grey value.
@@ -47,7 +52,7 @@ impl Linear {
         match self.words.get(usize::from(grey)) {
             Some(&light) => light,
             None if self.gamma == 1.0 => unit,
-            None => unit.powf(self.gamma),
+            None => unit.powf(self.gamma as f32),
         }
     }
 }

@@ -42,6 +42,14 @@ impl Blur {
         Self { psf, size_px }
     }
 
+    /// Smaller sizes than this look the same, in pixels of the grid: the pixel's own box hides them.
+    pub(super) fn least_size(&self) -> f64 {
+        match self.psf {
+            Psf::Gaussian => super::gaussian::LEAST_SIGMA,
+            Psf::Disc => super::disc::LEAST_RADIUS,
+        }
+    }
+
     /// Standard deviation along an axis, px: half the radius of a disc.
     pub fn sigma_px(&self) -> f64 {
         match self.psf {

@@ -5,7 +5,7 @@
 //! skirts of neighbours reach into a ring's window they are part of its model, from the neighbours' own fits, until nothing
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
-use super::blur::{Blur, Psf};
+use super::blur::Psf;
 use super::choice::PsfChoice;
 use super::fit::RingFitted;
 use super::jury::{Verdict, verdict};
@@ -48,6 +48,8 @@ pub struct BoardPlace {
 pub struct BoardStart<'a> {
     /// Its rings.
     pub places: &'a [BoardPlace],
+    /// Outer radius, m.
+    pub outer_radius_m: f64,
     /// Inner over outer radius.
     pub ratio: f64,
     /// 1 for dark rings, -1 for light ones.
@@ -110,7 +112,7 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
             break;
         }
     }
-    finish(board, verdict.psf, rings)
+    finish(board, verdict.psf, rings, (frame.width(), frame.height()))
 }
 
 /// A ring under measurement.
@@ -265,14 +267,16 @@ fn reaches(model: &RingModel, grid: &Grid) -> bool {
 }
 
 /// Shares the perspective among the rings that were measured.
-fn finish(board: &BoardStart, psf: Psf, rings: Vec<Under>) -> BoardMeasured {
+fn finish(board: &BoardStart, psf: Psf, rings: Vec<Under>, size: (usize, usize)) -> BoardMeasured {
     let fitted: Vec<RingFitted> = rings.iter().filter_map(|r| r.fitted.ok()).collect();
-    let pairs: Vec<_> = rings
+    let places: Vec<_> = rings
         .iter()
         .zip(board.places)
-        .filter_map(|(ring, place)| Some((place.plane_m, ring.fitted.ok()?.model.shape.centre)))
+        .filter(|(ring, _)| ring.fitted.is_ok())
+        .map(|(_, place)| place.plane_m)
         .collect();
-    let mut centres = share_perspective(&fitted, PlaneView::through(&pairs).as_ref()).into_iter();
+    let shared = share_perspective(&fitted, &places, board.outer_radius_m, size);
+    let mut centres = shared.into_iter();
     let measured = rings.into_iter().map(|ring| {
         let fitted = ring.fitted?;
         let (centre, covariance) = centres.next().ok_or(RingError::Outside)?;

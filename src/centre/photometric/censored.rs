@@ -74,7 +74,7 @@ impl<'a> Censored<'a> {
         for (k, plane) in self.coverage.changes.iter().enumerate() {
             derivatives[k] = shade * plane.get(at).copied().map_or(0.0, f64::from);
         }
-        derivatives[super::model::BLUR] /= grid.pixel_px;
+        derivatives[super::model::BLUR] *= model.by_blur(grid);
         let rest = [
             shade * (1.0 - outer),
             shade * (outer - inner),

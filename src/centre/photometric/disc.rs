@@ -9,7 +9,7 @@ use super::coverage::{Kernel, LANES, Lanes, Reach, vectors_within};
 use super::window::Grid;
 
 /// A disc smaller than this (pixels of the grid) is taken as one of this radius: the pixel's own box hides it.
-const LEAST_RADIUS: f64 = 0.1;
+pub(super) const LEAST_RADIUS: f64 = 0.1;
 /// Distance of nodes in pixels of the grid, from small discs to large ones, and the radius from which one is large.
 const SPACING: (f64, f64) = (0.2, 0.8);
 const LARGE: f64 = 4.0;

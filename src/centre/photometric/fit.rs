@@ -22,9 +22,9 @@ const LEAST_DAMPING: f64 = 1e-7;
 const SHORT_STEP: f64 = 0.25;
 /// They are renewed where a step is expected to gain more than this fraction of what the one before was.
 const SLOW: f64 = 0.1;
-/// Keeps the blur determined where it is too small to show (the pixel's own box rules there); as much as a measurement of
-/// 10 px uncertainty at 1 % of noise.
-const BLUR_PRIOR: f64 = 1e-6;
+/// Keeps the blur (its square, px^2) determined whatever the pixels say; as much as a measurement of 300 px^2 uncertainty at
+/// 1 % of noise.
+const BLUR_PRIOR: f64 = 1e-9;
 
 /// A fitted ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -214,12 +214,20 @@ impl Fit<'_, '_> {
     fn step(&self) -> Option<Vector> {
         let mut damped = self.normal.matrix;
         damped[(BLUR, BLUR)] += BLUR_PRIOR;
+        let mut gradient = self.normal.gradient;
+        if self.parameters[BLUR] <= 0.0 && gradient[BLUR] <= 0.0 {
+            // no blur at all, and less were better still
+            damped.fill_row(BLUR, 0.0);
+            damped.fill_column(BLUR, 0.0);
+            damped[(BLUR, BLUR)] = 1.0;
+            gradient[BLUR] = 0.0;
+        }
         let scales = Vector::from_fn(|k, _| damped[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
         let scaled = Matrix::from_fn(|i, j| {
             let own = if i == j { 1.0 + self.damping } else { 1.0 };
             own * damped[(i, j)] * scales[i] * scales[j]
         });
-        let gradient = self.normal.gradient.component_mul(&scales);
+        let gradient = gradient.component_mul(&scales);
         let step = scaled.cholesky()?.solve(&gradient);
         Some(step.component_mul(&scales))
     }
@@ -231,9 +239,12 @@ impl Fit<'_, '_> {
         let size = (xx * yy - xy * xy).max(f64::MIN_POSITIVE).powf(-0.25);
         let affine = step[2].abs().max(step[3].abs()).max(step[4].abs()) * size * size;
         let perspective = step[5].hypot(step[6]) * size;
-        let moved = step[0].hypot(step[1]) + size * (0.5 * affine + perspective) + step[BLUR].abs();
         let blur = self.start.with_parameters(&self.parameters).blur.sigma_px();
-        moved < SHORT_STEP * (blur + 0.3 * self.problem.window.grid.pixel_px)
+        let scale = blur + 0.3 * self.problem.window.grid.pixel_px;
+        let moved = step[0].hypot(step[1])
+            + size * (0.5 * affine + perspective)
+            + 0.5 * step[BLUR].abs() / scale;
+        moved < SHORT_STEP * scale
     }
 
     fn finish(&mut self) -> Result<RingFitted, FitError> {
@@ -255,10 +266,10 @@ impl Fit<'_, '_> {
     }
 }
 
-/// Parameters after a step. The blur enters by its square: its sign says nothing.
+/// Parameters after a step. There is no less than no blur.
 fn moved(parameters: &Vector, step: &Vector) -> Vector {
     let mut moved = parameters + step;
-    moved[BLUR] = moved[BLUR].abs();
+    moved[BLUR] = moved[BLUR].max(0.0);
     moved
 }
 

@@ -10,7 +10,7 @@ const REACH: f32 = 4.4;
 /// Distance of nodes in standard deviations: the trapezoidal rule is then right within 2 exp(-2 pi^2 / 1.3^2) = 2e-5.
 const SPACING: f64 = 1.3;
 /// Blur below this is taken as this, pixels of the grid: the pixel's own box hides it.
-const LEAST_SIGMA: f64 = 0.03;
+pub(super) const LEAST_SIGMA: f64 = 0.03;
 
 /// The stamps of the nodes of one outline: of each its row and its column.
 #[derive(Debug, Clone, Default)]

@@ -25,6 +25,7 @@ mod gaussian;
 mod gram;
 mod jury;
 mod law;
+mod lens_map;
 mod model;
 mod normal;
 mod plane;

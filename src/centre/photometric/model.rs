@@ -42,7 +42,8 @@ impl RingModel {
     pub(super) fn parameters(&self) -> Vector {
         let mut p = Vector::zeros();
         p.as_mut_slice()[..SHAPE_PARAMETERS].copy_from_slice(&self.shape.parameters());
-        p[BLUR] = self.blur.size_px;
+        // by its square: the picture changes with that, from zero on
+        p[BLUR] = self.blur.size_px * self.blur.size_px;
         p[PAPER] = self.paper;
         p[RING] = self.ring;
         p[INSIDE] = self.inside;
@@ -58,7 +59,7 @@ impl RingModel {
         Self {
             shape: Shape::from_parameters(&shape),
             blur: Blur {
-                size_px: p[BLUR],
+                size_px: p[BLUR].max(0.0).sqrt(),
                 ..self.blur
             },
             paper: p[PAPER],
@@ -66,6 +67,12 @@ impl RingModel {
             inside: p[INSIDE],
             shading: [p[SHADING], p[SHADING + 1]],
         }
+    }
+
+    /// What turns a change by the blur's size in pixels of the grid into one by its square in frame pixels.
+    pub(super) fn by_blur(&self, grid: &Grid) -> f64 {
+        let least = self.blur.least_size() * grid.pixel_px;
+        0.5 / (self.blur.size_px.max(least) * grid.pixel_px)
     }
 
     /// Contrasts across the outer and the inner circle.
@@ -152,15 +159,11 @@ impl Row {
         self.stride = stride;
         self.data.resize(stride * (PARAMETERS + 1), 0.0);
         let shades = Shades::new(model, grid, row);
+        let by_blur = model.by_blur(grid) as f32;
         let span = row * stride..(row + 1) * stride;
         let mut columns = self.data.chunks_exact_mut(stride);
         for (k, plane) in coverage.changes.iter().enumerate() {
-            // the blur's size is in frame pixels, the change of the coverage by one of the grid
-            let scale = if k == BLUR {
-                1.0 / grid.pixel_px as f32
-            } else {
-                1.0
-            };
+            let scale = if k == BLUR { by_blur } else { 1.0 };
             let Some(out) = columns.next() else { return };
             let changes = &plane[span.clone()];
             for i in 0..stride {
@@ -191,11 +194,6 @@ impl Row {
             by_across[i] = flat * shades.across(i);
             by_down[i] = flat * shades.v;
         }
-    }
-
-    /// The derivatives by one parameter.
-    pub(super) fn parameter(&self, k: usize) -> &[f32] {
-        &self.data[k * self.stride..(k + 1) * self.stride]
     }
 
     /// The residuals, behind the parameters.

@@ -1,0 +1,291 @@
+//! The map from the board to the frame that its own centres tell: a homography and a lens, smooth.
+//!
+//! A ring knows little of its own perspective, but the centres of a board's rings lie so exactly that the second derivatives of
+//! the map through them are known far better. What a ring needs of the map is its shape there.
+//!
+//! To second order the map is X -> c + J d + H[d, d] / 2, d in outer radii. Of H, a circle shows only what moves its outline as a
+//! perspective does: with K = J^-1 H the outline of radius a moves outwards by a^2 e.K[e, e] / 2 in direction e, whose part
+//! with one period around the circle is -a^2 g.e, g_i = -(sum_j K_i,jj + 2 sum_j K_j,ij) / 8. (For a homography that is
+//! all; a lens adds a part with three periods, which no parameter of a ring resembles.)
+
+use super::shape::Shape;
+use crate::camera::homography::{apply, fit_homography};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Point2, Vector2};
+
+/// Coefficients of the lens for so many rings: radial r^2; r^4 and two tangential; r^6.
+const RINGS_FOR: [(usize, usize); 3] = [(9, 1), (14, 4), (30, 5)];
+/// The lens moves the frame's corner by about this fraction of its distance at most (standard deviation of a prior).
+const LENS_PRIOR: f64 = 0.5;
+const STEPS: usize = 8;
+/// Converged where a step would gain less than this in the weighted sum of squares.
+const SETTLED: f64 = 1e-3;
+const MOST_LENS: usize = 5;
+
+/// A homography followed by a lens about the frame's middle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LensMap {
+    homography: Matrix3<f64>,
+    /// r^2, r^4, tangential x and y, r^6; of places in half diagonals of the frame.
+    lens: [f64; MOST_LENS],
+    middle: Point2<f64>,
+    scale_px: f64,
+    /// How many of the lens's coefficients are free.
+    free: usize,
+}
+
+/// A map and the covariance of its free parameters: eight entries of the homography, then the lens.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Certain {
+    pub(super) map: LensMap,
+    covariance: DMatrix<f64>,
+}
+
+/// A centre that the map goes through: where on the board (m), where in the frame (px), how certain (px^2).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Anchor {
+    pub(super) plane_m: Point2<f64>,
+    pub(super) at: Point2<f64>,
+    pub(super) variance: f64,
+}
+
+impl LensMap {
+    /// Least squares through centres in a frame of this size; `None` where they determine no plane.
+    pub(super) fn through(anchors: &[Anchor], frame: (usize, usize)) -> Option<Certain> {
+        let pairs: Vec<_> = anchors.iter().map(|a| (a.plane_m, a.at)).collect();
+        let (width, height) = (frame.0 as f64, frame.1 as f64);
+        let homography = fit_homography(&pairs)?;
+        let enough = RINGS_FOR
+            .iter()
+            .rev()
+            .find(|(rings, _)| anchors.len() >= *rings);
+        let mut map = Self {
+            homography: homography / homography[(2, 2)],
+            lens: [0.0; MOST_LENS],
+            middle: Point2::new(0.5 * (width - 1.0), 0.5 * (height - 1.0)),
+            scale_px: 0.5 * width.hypot(height),
+            free: enough.map_or(0, |(_, coefficients)| *coefficients),
+        };
+        let mut settled = None;
+        for _ in 0..STEPS {
+            let (normal, right) = map.normal_equations(anchors)?;
+            let factor = normal.cholesky()?;
+            let step = factor.solve(&right);
+            map = map.moved(&step);
+            let gain = step.dot(&right);
+            settled = Some(factor);
+            if gain < SETTLED {
+                break;
+            }
+        }
+        let finite = map.lens.iter().all(|v| v.is_finite());
+        Some(Certain {
+            covariance: settled.filter(|_| finite)?.inverse(),
+            map,
+        })
+    }
+
+    fn normal_equations(&self, anchors: &[Anchor]) -> Option<(DMatrix<f64>, DVector<f64>)> {
+        let size = 8 + self.free;
+        let mut normal = DMatrix::zeros(size, size);
+        let mut right = DVector::zeros(size);
+        for anchor in anchors {
+            let weight = anchor.variance.recip();
+            let missing = anchor.at - self.place(anchor.plane_m)?;
+            let rows = self.derivatives(anchor.plane_m)?;
+            normal.gemm_tr(weight, &rows, &rows, 1.0);
+            right.gemv_tr(weight, &rows, &missing, 1.0);
+        }
+        for k in 0..self.free {
+            let prior = LENS_PRIOR.powi(-2);
+            normal[(8 + k, 8 + k)] += prior;
+            right[8 + k] -= prior * self.lens[k];
+        }
+        Some((normal, right))
+    }
+
+    /// This map with its free parameters changed by a step.
+    fn moved(&self, step: &DVector<f64>) -> Self {
+        let mut moved = *self;
+        for k in 0..8 {
+            moved.homography[(k / 3, k % 3)] += step[k];
+        }
+        for k in 0..self.free {
+            moved.lens[k] += step[8 + k];
+        }
+        moved
+    }
+
+    /// Where a place of the board (m) is seen, px.
+    pub(super) fn place(&self, plane_m: Point2<f64>) -> Option<Point2<f64>> {
+        let ideal = apply(&self.homography, plane_m)?;
+        let u = (ideal - self.middle) / self.scale_px;
+        Some(self.middle + self.distort(&u) * self.scale_px)
+    }
+
+    fn distort(&self, u: &Vector2<f64>) -> Vector2<f64> {
+        let [k1, k2, p1, p2, k3] = self.lens;
+        let r2 = u.norm_squared();
+        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        let (x, y) = (u.x, u.y);
+        let tangential = Vector2::new(
+            2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        );
+        u * radial + tangential
+    }
+
+    /// Derivatives of a place by the homography's first eight entries and the lens, 2 rows.
+    fn derivatives(&self, plane_m: Point2<f64>) -> Option<DMatrix<f64>> {
+        let source = plane_m.to_homogeneous();
+        let seen = self.homography * source;
+        let ideal = apply(&self.homography, plane_m)?;
+        let u = (ideal - self.middle) / self.scale_px;
+        let [k1, k2, p1, p2, k3] = self.lens;
+        let r2 = u.norm_squared();
+        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+        let slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3));
+        let (x, y) = (u.x, u.y);
+        let by_u = Matrix2::new(
+            radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x,
+            slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y,
+            slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y,
+            radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x,
+        );
+        let mut out = DMatrix::zeros(2, 8 + self.free);
+        for k in 0..3 {
+            let (p, e) = (source[k] / seen.z, ideal.coords * (source[k] / seen.z));
+            out.fixed_view_mut::<2, 1>(0, k)
+                .copy_from(&(by_u * Vector2::new(p, 0.0)));
+            out.fixed_view_mut::<2, 1>(0, 3 + k)
+                .copy_from(&(by_u * Vector2::new(0.0, p)));
+            if k < 2 {
+                out.fixed_view_mut::<2, 1>(0, 6 + k).copy_from(&(by_u * -e));
+            }
+        }
+        let s = self.scale_px;
+        let by_lens = [
+            u * r2,
+            u * (r2 * r2),
+            Vector2::new(2.0 * x * y, r2 + 2.0 * y * y),
+            Vector2::new(r2 + 2.0 * x * x, 2.0 * x * y),
+            u * (r2 * r2 * r2),
+        ];
+        for k in 0..self.free {
+            out.fixed_view_mut::<2, 1>(0, 8 + k)
+                .copy_from(&(by_lens[k] * s));
+        }
+        Some(out)
+    }
+
+    /// The image of the ring of this outer radius (m) about a place of the board.
+    pub(super) fn ring(&self, plane_m: Point2<f64>, radius_m: f64) -> Option<Shape> {
+        shape_under(|d| self.place(plane_m + d * radius_m))
+    }
+}
+
+impl Certain {
+    /// The perspective of the ring of this outer radius (m) about a place of the board, px^-1, and its covariance.
+    pub(super) fn perspective(
+        &self,
+        plane_m: Point2<f64>,
+        radius_m: f64,
+    ) -> Option<(Vector2<f64>, Matrix2<f64>)> {
+        let here = self.map.ring(plane_m, radius_m)?.perspective;
+        let size = 8 + self.map.free;
+        let mut rows = DMatrix::zeros(2, size);
+        let mut step = DVector::zeros(size);
+        for k in 0..size {
+            let h = 0.1 * self.covariance[(k, k)].sqrt();
+            step[k] = h;
+            let there = self.map.moved(&step).ring(plane_m, radius_m)?.perspective;
+            step[k] = 0.0;
+            rows.fixed_view_mut::<2, 1>(0, k)
+                .copy_from(&((there - here) / h));
+        }
+        let covariance = &rows * &self.covariance * rows.transpose();
+        Some((here, Matrix2::from_fn(|i, j| covariance[(i, j)])))
+    }
+}
+
+/// The shape of a ring under a map from outer radii about its centre to the frame, px.
+pub(super) fn shape_under(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>) -> Option<Shape> {
+    const H: f64 = 0.7;
+    let at = |x: f64, y: f64| map(Vector2::new(x * H, y * H));
+    let centre = at(0.0, 0.0)?;
+    let (east, west) = (at(1.0, 0.0)? - centre, at(-1.0, 0.0)? - centre);
+    let (south, north) = (at(0.0, 1.0)? - centre, at(0.0, -1.0)? - centre);
+    let (se, nw) = (at(1.0, 1.0)? - centre, at(-1.0, -1.0)? - centre);
+    let (ne, sw) = (at(1.0, -1.0)? - centre, at(-1.0, 1.0)? - centre);
+    let linear = Matrix2::from_columns(&[(east - west) / (2.0 * H), (south - north) / (2.0 * H)]);
+    let back = linear.try_inverse()?;
+    let xx = back * (east + west) / (H * H);
+    let yy = back * (south + north) / (H * H);
+    let xy = back * (se + nw - ne - sw) / (4.0 * H * H);
+    let g = Vector2::new(
+        -(xx.x + yy.x + 2.0 * (xx.x + xy.y)) / 8.0,
+        -(xx.y + yy.y + 2.0 * (xy.x + yy.y)) / 8.0,
+    );
+    let form = back.tr_mul(&back);
+    Some(Shape {
+        centre,
+        affine: [form[(0, 0)], form[(0, 1)], form[(1, 1)]],
+        perspective: back.tr_mul(&g),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::plane::PlaneView;
+    use super::*;
+
+    fn anchors(lens: [f64; MOST_LENS]) -> (LensMap, Vec<Anchor>) {
+        let map = LensMap {
+            homography: Matrix3::new(2100.0, 90.0, 180.0, -60.0, 1900.0, 150.0, 0.9, -0.6, 1.0),
+            lens,
+            middle: Point2::new(639.5, 479.5),
+            scale_px: 800.0,
+            free: MOST_LENS,
+        };
+        let anchors = (0..49)
+            .map(|i| {
+                let plane_m = Point2::new(f64::from(i % 7) * 0.05, f64::from(i / 7) * 0.05);
+                Anchor {
+                    plane_m,
+                    at: map.place(plane_m).unwrap(),
+                    variance: 1e-4,
+                }
+            })
+            .collect();
+        (map, anchors)
+    }
+
+    #[test]
+    fn a_lens_is_found_again_from_the_centres_it_made() {
+        let (truth, anchors) = anchors([-0.11, 0.03, 0.0006, -0.0004, 0.0]);
+        let found = LensMap::through(&anchors, (1280, 960)).unwrap();
+        for anchor in &anchors {
+            assert!((found.map.place(anchor.plane_m).unwrap() - anchor.at).norm() < 1e-3);
+            let (a, b) = (
+                truth.ring(anchor.plane_m, 0.015).unwrap(),
+                found.map.ring(anchor.plane_m, 0.015).unwrap(),
+            );
+            assert!((a.perspective - b.perspective).norm() < 1e-7);
+        }
+    }
+
+    #[test]
+    fn without_a_lens_a_ring_is_that_of_the_plane() {
+        let (map, anchors) = anchors([0.0; MOST_LENS]);
+        let pairs: Vec<_> = anchors.iter().map(|a| (a.plane_m, a.at)).collect();
+        let view = PlaneView::through(&pairs).unwrap();
+        for anchor in &anchors {
+            let bent = map.ring(anchor.plane_m, 0.01).unwrap();
+            let flat = view.ring(&anchor.at, 0.01);
+            assert!((bent.centre - flat.centre).norm() < 1e-9);
+            assert!((bent.perspective - flat.perspective).norm() < 1e-3 * flat.perspective.norm());
+            for (a, b) in bent.affine.iter().zip(&flat.affine) {
+                assert!((a - b).abs() < 1e-3 * flat.affine[0]);
+            }
+        }
+    }
+}

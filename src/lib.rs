@@ -37,6 +37,7 @@
 //! | | [`centre`] | a ring's two ellipses, or its pixels | its projected centre, by one of six estimators (paper III-C) |
 //! | | [`session`] | `Detection` after `Detection` | the [`View`](session::View)s worth keeping, coverage, what to show next |
 //! | | [`calibrate`](mod@calibrate) | `View`s | [`Calibration`](calibrate::Calibration): camera, poses, residuals, covariance |
+//! | | [`refine`](mod@refine) | `View`s, `Calibration` | the `View`s with better centres, to calibrate from again |
 //! | what it speaks of | [`board`], [`camera`] | | the print; pinhole, lens, pose, homography |
 //! | its surroundings | [`source`], [`formats`], [`report`] | | image files; files read and written; pictures and pages |
 //! | | [`ros`], [`cli`] | | the ROS 2 node; the subcommands |
@@ -59,6 +60,7 @@ pub mod detect;
 pub mod enhance;
 pub mod formats;
 pub mod frame;
+pub mod refine;
 pub mod report;
 pub mod ros;
 pub mod session;

@@ -146,6 +146,7 @@ pub fn detection(
                     outer: ellipse(board.outer_radius_m()),
                 },
                 blur_sigma_px: 3.0,
+                kept: None,
             }
         })
         .collect();
@@ -163,6 +164,7 @@ pub fn detection(
         indices: Indices::Absolute,
         rings,
         homography: matrix * motion,
+        photometric: None,
     }
 }
 

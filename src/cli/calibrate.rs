@@ -5,11 +5,12 @@
 
 use super::measuring::Measuring;
 use super::output::print;
-use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError, calibrate};
+use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError};
 use crate::camera::Camera;
 use crate::detect::{Detection, Detector};
 use crate::formats::{CalibrationJson, CameraInfo, Outcome, write_by_rename};
 use crate::frame::Frame;
+use crate::refine::calibrate_refined;
 use crate::report::report_html;
 use crate::session::{Session, SessionRules, View};
 use crate::source::{self, read_board};
@@ -83,19 +84,20 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         .map(|recorded| (recorded.path.to_string_lossy().into_owned(), recorded.frame));
     let detector = Detector::new(board, arguments.measuring.options());
     let collected = collect(&detector, frames);
-    let views = collected.session.views();
-    let calibration = calibrate(detector.board(), views, &options).with_context(|| {
+    let found = collected.session.views();
+    let refined = calibrate_refined(detector.board(), found, &options);
+    let (calibration, views) = refined.with_context(|| {
         let given = collected.outcomes.len();
         format!(
             "no calibration from {given} inputs, {} of them usable",
-            views.len()
+            found.len()
         )
     })?;
     let file = CalibrationJson::new(
         &arguments.camera_name,
         arguments.measuring.estimator.name(),
         &calibration,
-        views,
+        &views,
         &collected.outcomes,
     );
     write_files(&arguments.output, &file, calibration.camera)?;

@@ -11,6 +11,7 @@ use crate::centre::photometric::{
 use crate::centre::{Centre, CentreEstimator, Ellipse, Estimator, RingEllipses};
 use crate::frame::{Frame, Linear};
 use nalgebra::{Matrix3, Point2};
+use std::sync::Arc;
 
 /// A ring so far from its neighbours' prediction, in minor semi-axes, is something else.
 const FARTHEST: f64 = 0.6;
@@ -53,7 +54,7 @@ pub(super) fn constructed(placed: &Placed, construction: &dyn CentreEstimator) -
             centre,
             ellipses: placed.ellipses,
             blur_sigma_px: placed.blur_sigma_px,
-            window: None,
+            kept: None,
         })
 }
 
@@ -74,7 +75,7 @@ pub(super) fn drawn(
             outer: shape.ellipse(1.0)?,
         },
         blur_sigma_px: fitted.model.blur.sigma_px(),
-        window: None,
+        kept: None,
     })
 }
 
@@ -140,9 +141,9 @@ fn of_measured(at: (u16, u16), ring: RingMeasured, ratio: f64) -> Option<Ring> {
         point: ring.centre,
         covariance: Some(ring.covariance),
     };
-    let drawn = drawn(at, centre, &ring.fitted, ratio)?;
+    let drawn = drawn(at, centre, &ring.kept.fitted, ratio)?;
     Some(Ring {
-        window: Some(ring),
+        kept: Some(Arc::new(ring.kept)),
         ..drawn
     })
 }

@@ -1,8 +1,9 @@
 //! What was found in one frame, or why nothing was.
 
-use crate::centre::photometric::{Psf, RingError, RingMeasured};
+use crate::centre::photometric::{KeptRing, Psf, RingError};
 use crate::centre::{Centre, RingEllipses};
 use nalgebra::Matrix3;
+use std::sync::Arc;
 
 /// Whether row and column numbers are those of the board or count from the first ring seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,8 +37,8 @@ pub struct Ring {
     pub ellipses: RingEllipses,
     /// Standard deviation of the Gaussian that best explains the blur of its edges, px.
     pub blur_sigma_px: f64,
-    /// Its pixels and their fit, where the photometric estimator measured it: what a second pass works from.
-    pub window: Option<RingMeasured>,
+    /// Its fit and its pixels, where the photometric estimator measured it: what a second pass works from.
+    pub kept: Option<Arc<KeptRing>>,
 }
 
 /// What the photometric estimator says of a frame.

@@ -1,7 +1,8 @@
 //! One calibration, from the views as they were when it was asked for to a sentence about the result.
 
 use crate::board::Board;
-use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
+use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration};
+use crate::refine::calibrate_refined;
 use crate::session::View;
 
 /// A calibration to be solved: the views as they were when it was asked for.
@@ -34,7 +35,8 @@ impl Job {
         Solved {
             session: self.session,
             views: self.views.len(),
-            result: calibrate(&self.board, &self.views, &self.options),
+            result: calibrate_refined(&self.board, &self.views, &self.options)
+                .map(|(calibration, _)| calibration),
         }
     }
 }

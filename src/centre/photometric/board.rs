@@ -7,28 +7,30 @@
 
 use super::blur::Psf;
 use super::choice::PsfChoice;
-use super::fit::RingFitted;
+use super::fit::{Given, RingFitted};
 use super::jury::{Verdict, verdict};
+use super::kept::{KeptRing, KeptWindow, RingMeasured};
 use super::law::share_perspective;
+use super::lens_map::LensMap;
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::psf::Known;
 use super::ring::{RingError, Seen, gate};
-use super::start::window;
-use super::trust::{ALL, OWN, Surroundings};
+use super::start::{Cut, cut};
+use super::trust::{ALL, Surroundings, without_suspects};
 use super::window::{Grid, Window};
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
-use nalgebra::{Matrix2, Point2};
+use nalgebra::Point2;
 use rayon::prelude::*;
 
-/// A window reaches this many blur sigmas beyond the outer circle.
-pub(super) const MARGIN_SIGMAS: f64 = 2.0;
 /// A ring's light is seen as far as this many blur sigmas from its outline.
 const REACH_SIGMAS: f64 = 4.0;
 /// Rounds of fits while neighbours' skirts are still moving.
 const ROUNDS: usize = 3;
+/// A ring whose shape is given has residuals of at most so much of the others' noise.
+const MOST_NOISE: f64 = 1.5;
 /// A ring has settled when it moved by less than this many of its standard deviations.
 const SETTLED: f64 = 0.1;
 
@@ -79,19 +81,6 @@ pub struct BoardMeasured {
     pub rings: Vec<Result<RingMeasured, RingError>>,
 }
 
-/// A ring measured.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RingMeasured {
-    /// Its own fit.
-    pub fitted: RingFitted,
-    /// The projected centre with the board's perspective, px.
-    pub centre: Point2<f64>,
-    /// The centre's covariance, px^2.
-    pub covariance: Matrix2<f64>,
-    /// The pixels it was fitted to.
-    pub window: Window,
-}
-
 /// Measures the rings of a board.
 pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     let pairs: Vec<_> = board
@@ -123,6 +112,8 @@ struct Under {
     fitted: Result<RingFitted, RingError>,
     /// Other rings were in reach when it was last fitted.
     crowded: bool,
+    /// Its shape is not its own but the map's.
+    given: bool,
 }
 
 impl Under {
@@ -135,18 +126,14 @@ impl Under {
     ) -> Self {
         let model = verdict.start(board, place, view);
         let outer = model.shape.ellipse(1.0).unwrap_or(place.outline);
-        let window = window(
-            frame,
-            &outer,
-            model.blur.sigma_px(),
-            MARGIN_SIGMAS,
-            board.linear,
-        );
+        let sigma_px = model.blur.sigma_px();
+        let window = cut(frame, &outer, sigma_px, Cut::OF_BOARD, board.linear);
         Self {
             window,
             model,
             fitted: Err(RingError::Outside),
             crowded: false,
+            given: false,
         }
     }
 }
@@ -194,18 +181,18 @@ fn fit_one(
         window,
         ratio: board.ratio,
         around: around.as_ref(),
+        given: Given::NearStart,
     };
     let psf = ring.model.blur.psf;
     let mut fitted = known.fit_with(&ring.model, psf, room);
     if let Ok(first) = &fitted
         && let Some(surroundings) = Surroundings::of(first, &known.window.grid)
     {
-        let residuals = room.residuals(&known, &first.model);
-        let trusted = surroundings.judge(known.window, residuals, first);
+        let trusted = surroundings.judge(known.window, &room.residuals, first);
         if trusted != ALL {
-            // whatever stands there may have spoilt the fit: ask again with the ring alone
+            // whatever stands there may have spoilt the fit: ask again without it
             let mut alone = known.window.clone();
-            surroundings.mask(&mut alone, &OWN);
+            surroundings.mask(&mut alone, &without_suspects(&trusted));
             let on_own = Known {
                 window: &alone,
                 ..known
@@ -220,8 +207,10 @@ fn fit_one(
                     window,
                     ratio: board.ratio,
                     around: around.as_ref(),
+                    given: Given::NearStart,
                 };
                 fitted = known.fit_with(&clean.model, psf, room);
+                fitted = fitted.map(|f| f.widened_by(&clean));
             }
         }
     }
@@ -232,7 +221,7 @@ fn fit_one(
 }
 
 /// The coverages of a window by the rings around one of them; `None` where none is in reach.
-fn around(
+pub(super) fn around(
     grid: &Grid,
     ratio: f64,
     (own, models): (usize, &[RingModel]),
@@ -266,8 +255,14 @@ fn reaches(model: &RingModel, grid: &Grid) -> bool {
         && centre.y - half_y < bottom
 }
 
-/// Shares the perspective among the rings that were measured.
-fn finish(board: &BoardStart, psf: Psf, rings: Vec<Under>, size: (usize, usize)) -> BoardMeasured {
+/// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
+/// through the others.
+fn finish(
+    board: &BoardStart,
+    psf: Psf,
+    mut rings: Vec<Under>,
+    frame: (usize, usize),
+) -> BoardMeasured {
     let fitted: Vec<RingFitted> = rings.iter().filter_map(|r| r.fitted.ok()).collect();
     let places: Vec<_> = rings
         .iter()
@@ -275,20 +270,67 @@ fn finish(board: &BoardStart, psf: Psf, rings: Vec<Under>, size: (usize, usize))
         .filter(|(ring, _)| ring.fitted.is_ok())
         .map(|(_, place)| place.plane_m)
         .collect();
-    let shared = share_perspective(&fitted, &places, board.outer_radius_m, size);
-    let mut centres = shared.into_iter();
+    let (shared, map) = share_perspective(&fitted, &places, board.outer_radius_m, frame);
+    if let Some(map) = map.filter(|_| places.len() < rings.len()) {
+        fit_given(board, &mut rings, &map);
+    }
+    let mut shared = shared.into_iter();
     let measured = rings.into_iter().map(|ring| {
+        let alone = ring.given;
         let fitted = ring.fitted?;
-        let (centre, covariance) = centres.next().ok_or(RingError::Outside)?;
+        let own = (fitted.model.shape.centre, fitted.centre_covariance());
+        let next = if alone { Some(own) } else { shared.next() };
+        let (centre, covariance) = next.unwrap_or(own);
+        let window = ring.window.as_ref().and_then(KeptWindow::of);
         Ok(RingMeasured {
-            fitted,
             centre,
             covariance,
-            window: ring.window.ok_or(RingError::Outside)?,
+            kept: KeptRing { fitted, window },
         })
     });
     BoardMeasured {
         psf,
         rings: measured.collect(),
     }
+}
+
+/// Fits the rings that have no fit yet with the shape that the map gives them.
+fn fit_given(board: &BoardStart, rings: &mut [Under], map: &LensMap) {
+    let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
+    let mut noises: Vec<f64> = rings
+        .iter()
+        .filter_map(|r| Some(r.fitted.ok()?.noise * r.window.as_ref()?.grid.pixel_px))
+        .collect();
+    noises.sort_by(f64::total_cmp);
+    let noise_px = noises.get(noises.len() / 2).copied().unwrap_or(0.0);
+    let work = rings.par_iter_mut().zip(board.places).enumerate();
+    work.filter(|(_, (ring, _))| ring.fitted.is_err())
+        .for_each_init(Workspace::default, |room, (i, (ring, place))| {
+            let (Some(window), Some(shape)) = (
+                ring.window.as_ref(),
+                map.ring(place.plane_m, board.outer_radius_m),
+            ) else {
+                return;
+            };
+            let around = around(&window.grid, board.ratio, (i, &models), room);
+            let known = Known {
+                window,
+                ratio: board.ratio,
+                around: around.as_ref(),
+                given: Given::Shape,
+            };
+            let start = RingModel {
+                shape,
+                ..ring.model
+            };
+            let seen = board.seen(place);
+            let again = known.fit_with(&start, start.blur.psf, room);
+            let usual =
+                |fitted: &RingFitted| fitted.noise * window.grid.pixel_px < MOST_NOISE * noise_px;
+            let again = again.map_err(RingError::from).and_then(|f| gate(&seen, f));
+            if let Some(fitted) = again.ok().filter(usual) {
+                ring.fitted = Ok(fitted);
+                ring.given = true;
+            }
+        });
 }

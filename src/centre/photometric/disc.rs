@@ -11,7 +11,7 @@ use super::window::Grid;
 /// A disc smaller than this (pixels of the grid) is taken as one of this radius: the pixel's own box hides it.
 pub(super) const LEAST_RADIUS: f64 = 0.1;
 /// Distance of nodes in pixels of the grid, from small discs to large ones, and the radius from which one is large.
-const SPACING: (f64, f64) = (0.2, 0.8);
+const SPACING: (f64, f64) = (0.2, 0.5);
 const LARGE: f64 = 4.0;
 /// Gauss-Legendre on [-1, 1]: places and weights over two.
 const HEIGHTS: [(f32, f32); 3] = [

@@ -7,17 +7,17 @@ use super::model::{BLUR, Matrix, PARAMETERS, RingModel, Vector};
 use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
-use nalgebra::{Matrix2, SMatrix};
+use nalgebra::{Matrix2, SMatrix, SVector};
 
 /// Steps at most, accepted or not.
 const STEPS: usize = 60;
 /// The last step is one of less than this many standard deviations squared: its own error is far less.
-const LAST_STEP: f64 = 0.02;
+const LAST_STEP: f64 = 0.05;
 /// The model's own arithmetic is no better than this, (light at full scale 1)^2.
 const LEAST_VARIANCE: f64 = 1e-9;
 /// Damping at the start, and how it changes.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.1, 8.0);
-const LEAST_DAMPING: f64 = 1e-7;
+const LEAST_DAMPING: f64 = 1e-4;
 /// Derivatives are kept after steps that move the outline less than this fraction of the blur (the pixel's own included).
 const SHORT_STEP: f64 = 0.25;
 /// They are renewed where a step is expected to gain more than this fraction of what the one before was.
@@ -25,6 +25,10 @@ const SLOW: f64 = 0.1;
 /// Keeps the blur (its square, px^2) determined whatever the pixels say; as much as a measurement of 300 px^2 uncertainty at
 /// 1 % of noise.
 const BLUR_PRIOR: f64 = 1e-9;
+
+/// The parameters that a shape without a place has: affine and perspective.
+const FIRST_GIVEN: usize = 2;
+const GIVEN: usize = SHAPE_PARAMETERS - FIRST_GIVEN;
 
 /// A fitted ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,6 +49,14 @@ pub struct RingFitted {
 pub type ShapeCovariance = SMatrix<f64, SHAPE_PARAMETERS, SHAPE_PARAMETERS>;
 
 impl RingFitted {
+    /// The same fit, as uncertain as it differs from another one of the same ring.
+    pub(super) fn widened_by(mut self, other: &Self) -> Self {
+        let parameters = |fitted: &Self| SVector::from(fitted.model.shape.parameters());
+        let apart: SVector<f64, SHAPE_PARAMETERS> = parameters(&self) - parameters(other);
+        self.covariance += apart * apart.transpose();
+        self
+    }
+
     /// Covariance of the projected centre, px^2.
     pub fn centre_covariance(&self) -> Matrix2<f64> {
         self.covariance.fixed_view::<2, 2>(0, 0).into_owned()
@@ -71,6 +83,18 @@ pub enum FitError {
     },
 }
 
+/// What a fit knows and what it has to find.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Given {
+    /// Nothing is known.
+    #[default]
+    Nothing,
+    /// The start is near the end: the first step goes all the way.
+    NearStart,
+    /// The start is near, and its shape (but not its place) is right: a board and its lens say so.
+    Shape,
+}
+
 /// Fits a ring from a start; `ratio` is the board's inner over outer radius, `around` holds the coverages of the rings around
 /// it.
 ///
@@ -81,6 +105,7 @@ pub fn fit(
     start: &RingModel,
     ratio: f64,
     around: Option<&[Vec<f32>; 2]>,
+    given: Given,
     room: &mut Workspace,
 ) -> Result<RingFitted, FitError> {
     let mut problem = Problem {
@@ -89,13 +114,17 @@ pub fn fit(
         around,
         noise: 0.0,
     };
-    let first = Fit::run(&problem, start, room)?;
+    let first = Fit::run(&problem, start, given, room)?;
     if window.censored.is_empty() {
         return Ok(first);
     }
     // only now is the noise known that says how far beyond its end a clipped pixel may be
     problem.noise = first.noise;
-    Fit::run(&problem, &first.model, room)
+    let given = match given {
+        Given::Nothing => Given::NearStart,
+        near => near,
+    };
+    Fit::run(&problem, &first.model, given, room)
 }
 
 /// A fit under way.
@@ -106,6 +135,7 @@ struct Fit<'a, 'b> {
     parameters: Vector,
     normal: Normal,
     damping: f64,
+    given: Given,
     pixels: usize,
 }
 
@@ -113,6 +143,7 @@ impl Fit<'_, '_> {
     fn run(
         problem: &Problem,
         start: &RingModel,
+        given: Given,
         room: &mut Workspace,
     ) -> Result<RingFitted, FitError> {
         let pixels = problem.window.count() + problem.window.censored.len();
@@ -126,7 +157,11 @@ impl Fit<'_, '_> {
             start: *start,
             parameters: start.parameters(),
             normal,
-            damping: DAMPING.0,
+            damping: match given {
+                Given::Nothing => DAMPING.0,
+                Given::NearStart | Given::Shape => 0.0,
+            },
+            given,
             pixels,
         };
         fit.descend()
@@ -212,24 +247,32 @@ impl Fit<'_, '_> {
 
     /// The damped step (Marquardt's scaling).
     fn step(&self) -> Option<Vector> {
-        let mut damped = self.normal.matrix;
-        damped[(BLUR, BLUR)] += BLUR_PRIOR;
-        let mut gradient = self.normal.gradient;
+        let (mut matrix, mut gradient) = (self.matrix(), self.normal.gradient);
+        if self.given == Given::Shape {
+            gradient.fixed_rows_mut::<GIVEN>(FIRST_GIVEN).fill(0.0);
+        }
         if self.parameters[BLUR] <= 0.0 && gradient[BLUR] <= 0.0 {
             // no blur at all, and less were better still
-            damped.fill_row(BLUR, 0.0);
-            damped.fill_column(BLUR, 0.0);
-            damped[(BLUR, BLUR)] = 1.0;
+            freeze(&mut matrix, BLUR);
             gradient[BLUR] = 0.0;
         }
-        let scales = Vector::from_fn(|k, _| damped[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
-        let scaled = Matrix::from_fn(|i, j| {
-            let own = if i == j { 1.0 + self.damping } else { 1.0 };
-            own * damped[(i, j)] * scales[i] * scales[j]
-        });
-        let gradient = gradient.component_mul(&scales);
-        let step = scaled.cholesky()?.solve(&gradient);
+        let scales = scales_of(&matrix);
+        let mut scaled = scaled_by(&matrix, &scales);
+        for k in 0..PARAMETERS {
+            scaled[(k, k)] *= 1.0 + self.damping;
+        }
+        let step = scaled.cholesky()?.solve(&gradient.component_mul(&scales));
         Some(step.component_mul(&scales))
+    }
+
+    /// The normal matrix of what is free.
+    fn matrix(&self) -> Matrix {
+        let mut matrix = self.normal.matrix;
+        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
+        if self.given == Given::Shape {
+            (FIRST_GIVEN..FIRST_GIVEN + GIVEN).for_each(|k| freeze(&mut matrix, k));
+        }
+        matrix
     }
 
     /// Whether a step moves the outline by little against the blur.
@@ -249,13 +292,11 @@ impl Fit<'_, '_> {
 
     fn finish(&mut self) -> Result<RingFitted, FitError> {
         let variance = self.variance();
-        let mut matrix = self.normal.matrix;
-        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
-        let scales = Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
-        let scaled = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
-        let inverse = scaled.cholesky().ok_or(FitError::Undetermined)?.inverse();
-        let covariance =
-            ShapeCovariance::from_fn(|i, j| inverse[(i, j)] * scales[i] * scales[j] * variance);
+        let inverse = inverse_of(&self.matrix()).ok_or(FitError::Undetermined)?;
+        let mut covariance = ShapeCovariance::from_fn(|i, j| inverse[(i, j)] * variance);
+        if self.given == Given::Shape {
+            (FIRST_GIVEN..FIRST_GIVEN + GIVEN).for_each(|k| covariance[(k, k)] = 0.0);
+        }
         Ok(RingFitted {
             model: self.start.with_parameters(&self.parameters),
             covariance,
@@ -292,16 +333,30 @@ pub fn cramer_rao_bound(
     let mut matrix = Workspace::default().normal(&problem, model)?.matrix;
     matrix[(BLUR, BLUR)] += BLUR_PRIOR;
     if perspective_known {
-        for k in SHAPE_PARAMETERS - 2..SHAPE_PARAMETERS {
-            matrix.fill_row(k, 0.0);
-            matrix.fill_column(k, 0.0);
-            matrix[(k, k)] = 1.0;
-        }
+        (SHAPE_PARAMETERS - 2..SHAPE_PARAMETERS).for_each(|k| freeze(&mut matrix, k));
     }
-    let scales = Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip());
-    let scaled = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
-    let inverse = scaled.cholesky()?.inverse();
-    Some(Matrix2::from_fn(|i, j| {
-        inverse[(i, j)] * scales[i] * scales[j] * noise * noise
-    }))
+    let inverse = inverse_of(&matrix)?;
+    Some(Matrix2::from_fn(|i, j| inverse[(i, j)] * noise * noise))
+}
+
+/// Takes a parameter out of the normal equations.
+fn freeze(matrix: &mut Matrix, k: usize) {
+    matrix.fill_row(k, 0.0);
+    matrix.fill_column(k, 0.0);
+    matrix[(k, k)] = 1.0;
+}
+
+/// What makes the diagonal one: parameters differ in their units by many powers of ten.
+fn scales_of(matrix: &Matrix) -> Vector {
+    Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip())
+}
+
+fn scaled_by(matrix: &Matrix, scales: &Vector) -> Matrix {
+    Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j])
+}
+
+fn inverse_of(matrix: &Matrix) -> Option<Matrix> {
+    let scales = scales_of(matrix);
+    let inverse = scaled_by(matrix, &scales).cholesky()?.inverse();
+    Some(scaled_by(&inverse, &scales))
 }

@@ -2,16 +2,16 @@
 //! larger than its circle a blurred outline looks.
 
 use super::blur::{Blur, Psf};
-use super::board::{BoardPlace, BoardStart, MARGIN_SIGMAS};
+use super::board::{BoardPlace, BoardStart};
 use super::choice::PsfChoice;
-use super::fit::RingFitted;
+use super::fit::{Given, RingFitted};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::psf::{Both, Known};
 use super::ring::gate;
 use super::shape::Shape;
-use super::start::{levels, window};
+use super::start::{Cut, cut, levels};
 use crate::frame::Frame;
 use nalgebra::{Matrix3, Point2, Vector3};
 use rayon::prelude::*;
@@ -153,17 +153,20 @@ fn hear(
     } else {
         HEAVY * place.sigma_px
     };
-    let pixels = window(
-        frame,
-        &place.outline,
-        cut_px,
-        0.75 * MARGIN_SIGMAS,
-        board.linear,
-    )?;
+    let narrow = Cut {
+        margin_sigmas: 0.75 * Cut::OF_BOARD.margin_sigmas,
+        ..Cut::OF_BOARD
+    };
+    let pixels = cut(frame, &place.outline, cut_px, narrow, board.linear)?;
     let known = Known {
         window: &pixels,
         ratio: board.ratio,
         around: None,
+        given: if sharp {
+            Given::NearStart
+        } else {
+            Given::Nothing
+        },
     };
     let start_psf = match board.psf {
         PsfChoice::Fixed(psf) => psf,
@@ -193,7 +196,7 @@ fn hear(
                 Ok(fitted) if fitted.model.blur.sigma_px() < SHAPELESS_PX => {
                     Both::only(Psf::Gaussian, gaussian)
                 }
-                _ => known.fit_both(&start, room),
+                _ => known.fit_disc_beside(gaussian, &start, room),
             }
         }
     };

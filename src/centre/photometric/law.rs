@@ -25,16 +25,17 @@ const ROUNDS: usize = 2;
 type Perspective = (Vector2<f64>, Matrix2<f64>);
 
 /// A centre and its covariance, px and px^2.
-pub(super) type CentreAndCovariance = (Point2<f64>, Matrix2<f64>);
+pub type CentreAndCovariance = (Point2<f64>, Matrix2<f64>);
 
-/// The centres of the rings of one board, given one another's perspective. `plane_m` are their places on the board. Where
-/// they are too few to tell, the centres are those of the fits.
+/// The centres of the rings of one board, given one another's perspective, and the map through them. `plane_m` are their places
+/// on the board. Where they are too few to tell, the centres are those of the fits.
 pub(super) fn share_perspective(
     rings: &[RingFitted],
     plane_m: &[Point2<f64>],
     outer_radius_m: f64,
     frame: (usize, usize),
-) -> Vec<CentreAndCovariance> {
+) -> (Vec<CentreAndCovariance>, Option<LensMap>) {
+    let mut map = None;
     let mut centres: Vec<CentreAndCovariance> = rings
         .iter()
         .map(|r| (r.model.shape.centre, r.centre_covariance()))
@@ -50,6 +51,7 @@ pub(super) fn share_perspective(
             })
             .collect();
         let known = LensMap::through(&anchors, frame).and_then(|certain| {
+            map = Some(certain.map);
             let perspectives = plane_m
                 .par_iter()
                 .map(|place| certain.perspective(*place, outer_radius_m));
@@ -65,7 +67,7 @@ pub(super) fn share_perspective(
             .map(|(ring, q)| law.apply(ring, q))
             .collect();
     }
-    centres
+    (centres, map)
 }
 
 /// A polynomial over the frame that is added to the map's perspective.
@@ -164,19 +166,33 @@ impl Correction {
         let board = known + Vector2::new(correction[0], correction[1]);
         let uncertain = &row * &self.covariance * row.transpose();
         let uncertain = known_to + Matrix2::from_fn(|i, j| uncertain[(i, j)]);
-        let q = perspective_covariance(ring);
-        let Some(inverse) = q.try_inverse() else {
+        let Some((at, given)) = given_perspective(ring, &board) else {
             return (centre, own);
         };
-        let off = board - ring.model.shape.perspective;
-        if off.dot(&(inverse * off)) > OUTLIER * OUTLIER {
-            return (centre, own);
-        }
+        // what the board does not know of the perspective either
         let cross = ring.covariance.fixed_view::<2, 2>(0, 5).into_owned();
-        let gain = cross * inverse;
-        let covariance = own - gain * cross.transpose() + gain * uncertain * gain.transpose();
-        (centre + gain * off, covariance)
+        let gain = cross
+            * perspective_covariance(ring)
+                .try_inverse()
+                .unwrap_or_default();
+        (at, given + gain * uncertain * gain.transpose())
     }
+}
+
+/// A ring's centre given that its perspective is this one; `None` where its own is too far from that or has no covariance.
+pub(super) fn given_perspective(
+    ring: &RingFitted,
+    perspective: &Vector2<f64>,
+) -> Option<CentreAndCovariance> {
+    let inverse = perspective_covariance(ring).try_inverse()?;
+    let off = perspective - ring.model.shape.perspective;
+    if off.dot(&(inverse * off)) > OUTLIER * OUTLIER {
+        return None;
+    }
+    let cross = ring.covariance.fixed_view::<2, 2>(0, 5).into_owned();
+    let gain = cross * inverse;
+    let covariance = ring.centre_covariance() - gain * cross.transpose();
+    Some((ring.model.shape.centre + gain * off, covariance))
 }
 
 fn perspective_covariance(ring: &RingFitted) -> Matrix2<f64> {

@@ -19,6 +19,8 @@ const LENS_PRIOR: f64 = 0.5;
 const STEPS: usize = 8;
 /// Converged where a step would gain less than this in the weighted sum of squares.
 const SETTLED: f64 = 1e-3;
+/// Centres count less from so many standard deviations off the map on (Huber 1964).
+const ROBUST: f64 = 3.0;
 const MOST_LENS: usize = 5;
 
 /// A homography followed by a lens about the frame's middle.
@@ -89,8 +91,9 @@ impl LensMap {
         let mut normal = DMatrix::zeros(size, size);
         let mut right = DVector::zeros(size);
         for anchor in anchors {
-            let weight = anchor.variance.recip();
             let missing = anchor.at - self.place(anchor.plane_m)?;
+            let deviations = (missing.norm_squared() / anchor.variance).sqrt();
+            let weight = (ROBUST / deviations.max(ROBUST)) / anchor.variance;
             let rows = self.derivatives(anchor.plane_m)?;
             normal.gemm_tr(weight, &rows, &rows, 1.0);
             right.gemv_tr(weight, &rows, &missing, 1.0);
@@ -207,8 +210,8 @@ impl Certain {
     }
 }
 
-/// The shape of a ring under a map from outer radii about its centre to the frame, px.
-pub(super) fn shape_under(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>) -> Option<Shape> {
+/// The shape of a ring under a map from outer radii about its centre to the frame, px; `None` where the map has no image of it.
+pub fn shape_under(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>) -> Option<Shape> {
     const H: f64 = 0.7;
     let at = |x: f64, y: f64| map(Vector2::new(x * H, y * H));
     let centre = at(0.0, 0.0)?;

@@ -28,7 +28,8 @@ pub(super) struct Problem<'a> {
 pub struct Workspace {
     pub(super) coverage: Coverage,
     row: Row,
-    residuals: Vec<f32>,
+    /// Residuals of the last evaluation, in padded rows; zero where a pixel does not count.
+    pub(super) residuals: Vec<f32>,
     arch: Arch,
 }
 
@@ -69,6 +70,7 @@ impl Workspace {
                 let (ratio, around) = (problem.ratio, problem.around);
                 room.coverage
                     .fill(grid, (shape, blur), ratio, contrasts, around)?;
+                room.residuals.resize(grid.stride() * grid.height, 0.0);
                 let mut gram = Gram::new();
                 let mut beyond = 0.0;
                 for row in 0..grid.height {
@@ -101,6 +103,7 @@ impl Workspace {
                 let (ratio, around) = (problem.ratio, problem.around);
                 room.coverage
                     .fill(grid, (shape, blur), ratio, None, around)?;
+                room.residuals.resize(grid.stride() * grid.height, 0.0);
                 let mut sums = Gradient::new();
                 let mut beyond = 0.0;
                 for row in 0..grid.height {
@@ -197,6 +200,7 @@ impl Workspace {
         for i in 0..stride {
             residuals[i] = weights[i] * (values[i] - residuals[i]);
         }
+        self.residuals[span.clone()].copy_from_slice(residuals);
         if window.censored.is_empty() {
             return 0.0;
         }

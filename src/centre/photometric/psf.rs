@@ -6,7 +6,7 @@
 
 use super::blur::{Blur, Psf};
 use super::choice::PsfChoice;
-use super::fit::{FitError, RingFitted, fit};
+use super::fit::{FitError, Given, RingFitted, fit};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::start::levels;
@@ -36,6 +36,8 @@ pub struct Known<'a> {
     pub ratio: f64,
     /// Coverages of the rings around, see [`fit`].
     pub around: Option<&'a [Vec<f32>; 2]>,
+    /// What is known of the ring before.
+    pub given: Given,
 }
 
 impl Known<'_> {
@@ -50,13 +52,27 @@ impl Known<'_> {
         room: &mut Workspace,
     ) -> Result<RingFitted, FitError> {
         if start.blur.psf == psf {
-            return fit(self.window, start, self.ratio, self.around, room);
+            return fit(
+                self.window,
+                start,
+                self.ratio,
+                self.around,
+                self.given,
+                room,
+            );
         }
         match psf {
             Psf::Gaussian => {
                 let blur = Blur::gaussian(start.blur.sigma_px());
                 let begin = RingModel { blur, ..*start };
-                fit(self.window, &begin, self.ratio, self.around, room)
+                fit(
+                    self.window,
+                    &begin,
+                    self.ratio,
+                    self.around,
+                    self.given,
+                    room,
+                )
             }
             Psf::Disc => self.fit_disc(start, room),
         }
@@ -65,6 +81,16 @@ impl Known<'_> {
     /// Fits it with both shapes of blur.
     pub fn fit_both(&self, start: &RingModel, room: &mut Workspace) -> Both {
         let gaussian = self.fit_with(start, Psf::Gaussian, room);
+        self.fit_disc_beside(gaussian, start, room)
+    }
+
+    /// Fits it with a disc too, from where the Gaussian ended.
+    pub(super) fn fit_disc_beside(
+        &self,
+        gaussian: Result<RingFitted, FitError>,
+        start: &RingModel,
+        room: &mut Workspace,
+    ) -> Both {
         let from = gaussian.as_ref().map_or(*start, |fitted| fitted.model);
         Both {
             disc: self.fit_with(&from, Psf::Disc, room),
@@ -99,7 +125,14 @@ impl Known<'_> {
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .ok_or(FitError::Undetermined)?;
-        fit(self.window, &begin, self.ratio, self.around, room)
+        fit(
+            self.window,
+            &begin,
+            self.ratio,
+            self.around,
+            self.given,
+            room,
+        )
     }
 }
 

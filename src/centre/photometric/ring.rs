@@ -2,12 +2,12 @@
 
 use super::blur::{Blur, Psf};
 use super::choice::PsfChoice;
-use super::fit::{FitError, RingFitted};
+use super::fit::{FitError, Given, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::psf::Known;
 use super::shape::Shape;
-use super::start::{levels, window};
+use super::start::{Cut, cut, levels};
 use super::window::Window;
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
@@ -22,8 +22,6 @@ const MOST_NOISE: f64 = 0.25;
 const LEAST_CERTAIN: f64 = 0.1;
 /// The window is cut anew where the fitted blur is not within these factors of the one it was cut for.
 const SAME_BLUR: (f64, f64) = (0.7, 1.25);
-/// A window reaches this many blur sigmas beyond the outer circle.
-const MARGIN_SIGMAS: f64 = 3.0;
 /// Windows are cut so often at most.
 const CUTS: usize = 4;
 /// Edges of a blurred ring stand too far out and look too sharp: sizes (of the ellipse seen) and blurs (of the one seen, and of
@@ -88,8 +86,8 @@ pub fn measure_ring(
     let mut sigma_px = ring.sigma_px.max(0.3);
     let mut best: Option<RingFitted> = None;
     for _ in 0..CUTS {
-        let pixels = window(frame, &outline, sigma_px, MARGIN_SIGMAS, ring.linear)
-            .ok_or(RingError::Outside)?;
+        let pixels =
+            cut(frame, &outline, sigma_px, Cut::ALONE, ring.linear).ok_or(RingError::Outside)?;
         let fitted = match best {
             None => fit_starts(&pixels, ring, room)?,
             Some(before) => {
@@ -123,6 +121,7 @@ fn known<'a>(window: &'a Window, ring: &RingStart) -> Known<'a> {
         window,
         ratio: ring.seen.ratio,
         around: None,
+        given: Given::Nothing,
     }
 }
 

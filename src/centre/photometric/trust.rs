@@ -1,8 +1,9 @@
 //! Which pixels around a ring show what the model knows: paper.
 //!
-//! The edge of the sheet, a hand, print or an unknown ring within the window would pull the fit. They stand beyond the ring, so the
-//! surroundings are taken in blocks, eight directions by a few layers of half a blur sigma; a block whose mean residual is
-//! more than noise is left out, and with it all that lies behind it.
+//! The edge of the sheet, a hand, print or an unknown ring within the window would pull the fit. They come from beyond the ring, so
+//! the surroundings are taken in blocks, eight directions by layers of half a blur sigma; a block whose mean residual is
+//! more than noise is strange. A fit that they have pulled hides some of it, so once a direction is suspected the ring is
+//! fitted without it, and only what is strange to that fit is left out, with the layer before it and all behind it.
 
 use super::fit::RingFitted;
 use super::shape::Shape;
@@ -10,9 +11,11 @@ use super::window::{Grid, Window};
 use nalgebra::Vector2;
 
 const DIRECTIONS: usize = 8;
-const LAYERS: usize = 6;
-/// Layers that are the ring's own: its skirt, without which nothing can be fitted.
-const OWN_LAYERS: usize = 2;
+/// Layers from one blur sigma inside the outer circle outwards; the last has no end.
+const LAYERS: usize = 7;
+const INSIDE_LAYERS: usize = 2;
+/// The first layer that anything beyond the ring reaches; those before are its own.
+const FIRST_SUSPECT: usize = 1;
 /// Thickness of a layer, blur sigmas; and at least this many pixels of the window.
 const LAYER_SIGMAS: f64 = 0.5;
 const LEAST_LAYER_PIXELS: f64 = 1.0;
@@ -20,7 +23,7 @@ const LEAST_LAYER_PIXELS: f64 = 1.0;
 const MOST_DEVIATIONS: f64 = 3.8;
 const MODEL_ERROR: f64 = 2e-3;
 /// Fewer pixels than this say nothing.
-const LEAST_PIXELS: f64 = 6.0;
+const LEAST_PIXELS: f64 = 1.0;
 
 /// The blocks around one ring.
 #[derive(Debug, Clone, Copy)]
@@ -35,8 +38,20 @@ pub(super) type Trusted = [usize; DIRECTIONS];
 
 /// Everything is trusted.
 pub(super) const ALL: Trusted = [LAYERS; DIRECTIONS];
-/// The ring's own skirt alone is trusted.
-pub(super) const OWN: Trusted = [OWN_LAYERS; DIRECTIONS];
+
+/// Directions with anything strange, and those beside them, trusted no farther than the ring itself.
+pub(super) fn without_suspects(trusted: &Trusted) -> Trusted {
+    let suspect = |direction: usize| trusted[direction] < LAYERS;
+    std::array::from_fn(|direction| {
+        // directions that share a border differ in one bit
+        let beside = (0..3).any(|bit| suspect(direction ^ (1 << bit)));
+        if suspect(direction) || beside {
+            FIRST_SUSPECT
+        } else {
+            LAYERS
+        }
+    })
+}
 
 impl Surroundings {
     pub(super) fn of(fitted: &RingFitted, grid: &Grid) -> Option<Self> {
@@ -51,21 +66,21 @@ impl Surroundings {
         })
     }
 
-    /// Direction and layer of a place beyond the outer circle; `None` inside.
+    /// Direction and layer of a place; `None` well inside the outer circle.
     fn block(&self, x: f64, y: f64) -> Option<(usize, usize)> {
         let at = Vector2::new(x - self.shape.centre.x, y - self.shape.centre.y);
         let [xx, xy, yy] = self.shape.affine;
         let depth = 1.0 - self.shape.perspective.dot(&at);
         let square = xx * at.x * at.x + 2.0 * xy * at.x * at.y + yy * at.y * at.y;
-        if square <= depth * depth {
+        let beyond = square.sqrt() / depth.abs() - 1.0;
+        let layer = beyond * self.layers_per_radius + INSIDE_LAYERS as f64;
+        if layer < 0.0 {
             return None;
         }
-        let beyond = square.sqrt() / depth.abs() - 1.0;
-        let layer = ((beyond * self.layers_per_radius) as usize).min(LAYERS - 1);
         let octant = usize::from(at.x > 0.0)
             | usize::from(at.y > 0.0) << 1
             | usize::from(at.x.abs() > at.y.abs()) << 2;
-        Some((octant, layer))
+        Some((octant, (layer as usize).min(LAYERS - 1)))
     }
 
     /// How far each direction is to be trusted, by the residuals of a fit (padded rows like the window's).
@@ -82,7 +97,7 @@ impl Surroundings {
                 }
                 let residual = f64::from(residuals[i]);
                 match self.block(grid.x(column), y) {
-                    Some((direction, layer)) if layer >= OWN_LAYERS => {
+                    Some((direction, layer)) if layer >= FIRST_SUSPECT => {
                         blocks[direction][layer].add(residual);
                     }
                     _ => own.add(residual),
@@ -92,9 +107,9 @@ impl Surroundings {
         let noise = (own.squares / own.pixels.max(1.0)).sqrt();
         let contrast = (fitted.model.paper - fitted.model.ring).abs();
         std::array::from_fn(|direction| {
-            (OWN_LAYERS..LAYERS)
+            (FIRST_SUSPECT..LAYERS)
                 .find(|&layer| blocks[direction][layer].is_strange(noise, contrast))
-                .unwrap_or(LAYERS)
+                .map_or(LAYERS, |strange| (strange - 1).max(FIRST_SUSPECT))
         })
     }
 

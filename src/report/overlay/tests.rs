@@ -33,6 +33,7 @@ fn detection() -> Detection {
                 outer: circle(20.0),
             },
             blur_sigma_px: 3.06,
+            kept: None,
         }
     };
     Detection {
@@ -41,6 +42,7 @@ fn detection() -> Detection {
         indices: Indices::Absolute,
         rings: board().indices().map(ring).collect(),
         homography: Matrix3::new(2000.0, 0.0, 50.0, 0.0, 2000.0, 40.0, 0.0, 0.0, 1.0),
+        photometric: None,
     }
 }
 

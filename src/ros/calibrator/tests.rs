@@ -85,6 +85,7 @@ fn detection(pose: &Pose) -> Detection {
                     outer: small(point),
                 },
                 blur_sigma_px: 3.0,
+                kept: None,
             }
         })
         .collect();
@@ -101,6 +102,7 @@ fn detection(pose: &Pose) -> Detection {
         indices: Indices::Absolute,
         rings,
         homography: k * plane,
+        photometric: None,
     }
 }
 

@@ -1,0 +1,135 @@
+//! What a view keeps of a ring: its fit, and its pixels where they are few.
+//!
+//! Under blur a ring's pixels are few, because they were binned; there a fit is far from linear and its neighbours' skirts
+//! reach into it, so that a second pass wants the pixels. A sharp ring has many, and there its fit with the covariance
+//! says all that they say.
+
+use super::fit::RingFitted;
+use super::window::{End, Grid, Window};
+use nalgebra::{Matrix2, Point2};
+
+/// Windows of more pixels are not kept: 49 rings of two bytes a pixel stay under 200 kB.
+const MOST_PIXELS: usize = 1900;
+/// Light is kept in steps of 2^-15 of full scale, up to twice that; the highest value stands for a pixel that does not count.
+const STEPS: f32 = 32_768.0;
+const MASKED: u16 = u16::MAX;
+
+/// A ring as a view keeps it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeptRing {
+    /// Its own fit.
+    pub fitted: RingFitted,
+    /// The pixels it was fitted to, where they are few.
+    pub window: Option<KeptWindow>,
+}
+
+/// A window in two bytes a pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeptWindow {
+    grid: Grid,
+    light: Vec<u16>,
+    censored: Vec<(u16, End)>,
+}
+
+/// A ring measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RingMeasured {
+    /// The projected centre with what the board knows, px.
+    pub centre: Point2<f64>,
+    /// The centre's covariance, px^2.
+    pub covariance: Matrix2<f64>,
+    /// Its own fit and its pixels.
+    pub kept: KeptRing,
+}
+
+impl KeptWindow {
+    /// Keeps a window; `None` where it is too large.
+    pub(super) fn of(window: &Window) -> Option<Self> {
+        let (grid, stride) = (window.grid, window.grid.stride());
+        if grid.width * grid.height > MOST_PIXELS {
+            return None;
+        }
+        let at = |i: usize| (i / grid.width) * stride + i % grid.width;
+        let light = (0..grid.width * grid.height).map(|i| {
+            let clipped = window
+                .censored
+                .binary_search_by_key(&at(i), |c| c.0)
+                .is_ok();
+            if window.weights[at(i)] > 0.0 || clipped {
+                (window.values[at(i)] * STEPS)
+                    .round()
+                    .clamp(0.0, f32::from(MASKED - 1)) as u16
+            } else {
+                MASKED
+            }
+        });
+        let censored = window.censored.iter().filter_map(|&(index, end)| {
+            let i = index / stride * grid.width + index % stride;
+            Some((u16::try_from(i).ok()?, end))
+        });
+        Some(Self {
+            grid,
+            light: light.collect(),
+            censored: censored.collect(),
+        })
+    }
+
+    /// The window again.
+    pub fn restore(&self) -> Window {
+        let (grid, stride) = (self.grid, self.grid.stride());
+        let at = |i: usize| (i / grid.width) * stride + i % grid.width;
+        let mut window = Window {
+            grid,
+            values: vec![0.0; stride * grid.height],
+            weights: vec![0.0; stride * grid.height],
+            censored: self
+                .censored
+                .iter()
+                .map(|&(i, end)| (at(usize::from(i)), end))
+                .collect(),
+        };
+        for (i, &light) in self.light.iter().enumerate() {
+            if light != MASKED {
+                window.values[at(i)] = f32::from(light) / STEPS;
+                window.weights[at(i)] = 1.0;
+            }
+        }
+        for &(i, _) in &window.censored {
+            window.weights[i] = 0.0;
+        }
+        window
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::window::Rectangle;
+    use super::*;
+    use crate::frame::{Frame, Linear, Plane};
+
+    #[test]
+    fn a_kept_window_comes_back() {
+        let data = (0..60 * 50).map(|i| ((i * 37) % 256) as u8).collect();
+        let frame = Frame::from_u8(Plane::from_vec(60, 50, data).unwrap(), "x");
+        let cut = |side| {
+            let rectangle = Rectangle {
+                x: 3,
+                y: 4,
+                width: side,
+                height: side - 1,
+            };
+            Window::cut(&frame, rectangle, 1, &Linear::new(1.0, false)).unwrap()
+        };
+        let mut window = cut(40);
+        window.keep(|x, y| x + y > 30.0);
+        let again = KeptWindow::of(&window).unwrap().restore();
+        assert_eq!(again.grid, window.grid);
+        assert_eq!(again.weights, window.weights);
+        assert_eq!(again.censored, window.censored);
+        assert!(!window.censored.is_empty());
+        for (i, (a, b)) in again.values.iter().zip(&window.values).enumerate() {
+            assert!(window.weights[i] == 0.0 || (a - b).abs() < 1e-4);
+        }
+        assert!(KeptWindow::of(&cut(46)).is_none());
+    }
+}

@@ -1,0 +1,86 @@
+//! The second pass: with the camera and the poses known, every ring's shape is known, and its centre can be found again, better.
+//!
+//! The first pass takes a ring's perspective from a smooth map through the centres of its own view; the camera knows it from all
+//! views. Where a view has kept a ring's pixels they are fitted again with the camera's shape; where it has kept the fit
+//! alone, the centre moves as the fit's covariance says. Calibrate, refine, calibrate: two passes are enough.
+
+use crate::board::Board;
+use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
+use crate::camera::{Camera, Pose};
+use crate::centre::photometric::{KnownRing, Shape, refit, shape_under};
+use crate::session::View;
+use nalgebra::Point2;
+use rayon::prelude::*;
+
+/// Calibrates, finds the centres again with that camera, and calibrates from those. Where no ring was measured photometrically there
+/// is nothing to find again, and the first calibration is the result. Returns the views it comes from, too.
+///
+/// # Errors
+/// [`CalibrateError`] of either calibration.
+pub fn calibrate_refined(
+    board: &Board,
+    views: &[View],
+    options: &CalibrateOptions,
+) -> Result<(Calibration, Vec<View>), CalibrateError> {
+    let first = calibrate(board, views, options)?;
+    if views
+        .iter()
+        .flat_map(|v| &v.rings)
+        .all(|r| r.kept.is_none())
+    {
+        return Ok((first, views.to_vec()));
+    }
+    let refined = refine(board, views, &first);
+    let second = calibrate(board, &refined, options)?;
+    Ok((second, refined))
+}
+
+/// The views with their centres found again. Rings that were not measured photometrically stay as they are, and so do those that
+/// cannot be found again.
+pub fn refine(board: &Board, views: &[View], calibration: &Calibration) -> Vec<View> {
+    views
+        .par_iter()
+        .zip(&calibration.views)
+        .map(|(view, fit)| refine_view(board, view, &calibration.camera, &fit.pose))
+        .collect()
+}
+
+fn refine_view(board: &Board, view: &View, camera: &Camera, pose: &Pose) -> View {
+    let rings: Vec<KnownRing> = view
+        .rings
+        .iter()
+        .filter_map(|ring| {
+            let shape = ring_shape(board, (ring.row, ring.column), camera, pose)?;
+            let kept = ring.kept.as_deref()?;
+            Some(KnownRing { kept, shape })
+        })
+        .collect();
+    let mut again = refit(&rings, board.radius_ratio()).into_iter();
+    let mut refined = view.clone();
+    for ring in &mut refined.rings {
+        let known = ring_shape(board, (ring.row, ring.column), camera, pose);
+        if ring.kept.is_none() || known.is_none() {
+            continue;
+        }
+        if let Some(Some((point, covariance))) = again.next() {
+            ring.centre.point = point;
+            ring.centre.covariance = Some(covariance);
+        }
+    }
+    refined
+}
+
+/// The image of a ring of the board, px; `None` where the camera does not see it.
+fn ring_shape(
+    board: &Board,
+    (row, column): (u16, u16),
+    camera: &Camera,
+    pose: &Pose,
+) -> Option<Shape> {
+    let [x, y] = board.centre_m(row, column);
+    let radius = board.outer_radius_m();
+    shape_under(|d| {
+        let place = Point2::new(x + d.x * radius, y + d.y * radius);
+        camera.project(&pose.board_to_camera([place.x, place.y]))
+    })
+}

@@ -18,7 +18,7 @@ use super::problem::Workspace;
 use super::psf::Known;
 use super::ring::{RingError, Seen, gate};
 use super::start::{Cut, cut};
-use super::trust::{ALL, Surroundings, without_suspects};
+use super::trust::Surroundings;
 use super::window::{Grid, Window};
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
@@ -188,19 +188,20 @@ fn fit_one(
     if let Ok(first) = &fitted
         && let Some(surroundings) = Surroundings::of(first, &known.window.grid)
     {
-        let trusted = surroundings.judge(known.window, &room.residuals, first);
-        if trusted != ALL {
+        let judgement = surroundings.judge(known.window, &room.residuals, first);
+        if !judgement.is_clean() {
             // whatever stands there may have spoilt the fit: ask again without it
             let mut alone = known.window.clone();
-            surroundings.mask(&mut alone, &without_suspects(&trusted));
+            surroundings.mask(&mut alone, &judgement.without_suspects());
             let on_own = Known {
                 window: &alone,
                 ..known
             };
             let clean = on_own.fit_with(&first.model, psf, room).unwrap_or(*first);
             let residuals = room.residuals(&known, &clean.model);
-            let trusted = surroundings.judge(known.window, residuals, &clean);
-            let window = ring.window.as_mut().filter(|_| trusted != ALL);
+            let again = surroundings.judge(known.window, residuals, &clean);
+            let trusted = again.verdict();
+            let window = ring.window.as_mut().filter(|_| !again.is_clean());
             if let Some(window) = window {
                 surroundings.mask(window, &trusted);
                 known = Known {

@@ -19,11 +19,14 @@ const FIRST_SUSPECT: usize = 1;
 /// Thickness of a layer, blur sigmas; and at least this many pixels of the window.
 const LAYER_SIGMAS: f64 = 0.5;
 const LEAST_LAYER_PIXELS: f64 = 1.0;
-/// A block's mean residual may be so many of its standard deviations, and this fraction of the contrast more.
+/// A block's mean residual may be so many of its standard deviations, and this fraction of the contrast more. Residuals of a real
+/// picture (sharpened, compressed) are alike from pixel to pixel: more than this number of them does not make a mean better.
 const MOST_DEVIATIONS: f64 = 3.8;
-const MODEL_ERROR: f64 = 2e-3;
-/// Fewer pixels than this say nothing.
-const LEAST_PIXELS: f64 = 1.0;
+const INDEPENDENT: f64 = 4.0;
+const MODEL_ERROR: f64 = 4e-3;
+/// Directions that are suspected at most, and that must be left in the end.
+const MOST_SUSPECTS: usize = 5;
+const LEAST_DIRECTIONS: usize = 3;
 
 /// The blocks around one ring.
 #[derive(Debug, Clone, Copy)]
@@ -37,20 +40,51 @@ pub(super) struct Surroundings {
 pub(super) type Trusted = [usize; DIRECTIONS];
 
 /// Everything is trusted.
-pub(super) const ALL: Trusted = [LAYERS; DIRECTIONS];
+const ALL: Trusted = [LAYERS; DIRECTIONS];
 
-/// Directions with anything strange, and those beside them, trusted no farther than the ring itself.
-pub(super) fn without_suspects(trusted: &Trusted) -> Trusted {
-    let suspect = |direction: usize| trusted[direction] < LAYERS;
-    std::array::from_fn(|direction| {
-        // directions that share a border differ in one bit
-        let beside = (0..3).any(|bit| suspect(direction ^ (1 << bit)));
-        if suspect(direction) || beside {
-            FIRST_SUSPECT
-        } else {
-            LAYERS
+/// What the surroundings look like.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Judgement {
+    trusted: Trusted,
+    /// The strangest block of each direction, in what noise allows.
+    strangeness: [f64; DIRECTIONS],
+}
+
+impl Judgement {
+    /// Whether nothing is strange.
+    pub(super) fn is_clean(&self) -> bool {
+        self.trusted == ALL
+    }
+
+    /// The strangest directions, and those beside them, trusted no farther than the ring itself; half of them at most.
+    pub(super) fn without_suspects(&self) -> Trusted {
+        let mut order: [usize; DIRECTIONS] = std::array::from_fn(|direction| direction);
+        order.sort_by(|&a, &b| self.strangeness[b].total_cmp(&self.strangeness[a]));
+        let mut left = ALL;
+        let mut masked = 0;
+        for direction in order.into_iter().filter(|&d| self.strangeness[d] > 1.0) {
+            // directions that share a border differ in one bit
+            let around = (0..3).map(|bit| direction ^ (1 << bit));
+            for one in std::iter::once(direction).chain(around) {
+                if masked < MOST_SUSPECTS && left[one] == LAYERS {
+                    left[one] = FIRST_SUSPECT;
+                    masked += 1;
+                }
+            }
         }
-    })
+        left
+    }
+
+    /// How far each direction is trusted in the end. Where hardly any is left nothing can be said of the paper, and whatever
+    /// stands there has to be believed.
+    pub(super) fn verdict(&self) -> Trusted {
+        let whole = self.trusted.iter().filter(|&&layers| layers == LAYERS);
+        if whole.count() < LEAST_DIRECTIONS {
+            ALL
+        } else {
+            self.trusted
+        }
+    }
 }
 
 impl Surroundings {
@@ -84,7 +118,7 @@ impl Surroundings {
     }
 
     /// How far each direction is to be trusted, by the residuals of a fit (padded rows like the window's).
-    pub(super) fn judge(&self, window: &Window, residuals: &[f32], fitted: &RingFitted) -> Trusted {
+    pub(super) fn judge(&self, window: &Window, residuals: &[f32], fitted: &RingFitted) -> Judgement {
         let (grid, stride) = (&window.grid, window.grid.stride());
         let mut blocks = [[Block::default(); LAYERS]; DIRECTIONS];
         let mut own = Block::default();
@@ -106,11 +140,16 @@ impl Surroundings {
         }
         let noise = (own.squares / own.pixels.max(1.0)).sqrt();
         let contrast = (fitted.model.paper - fitted.model.ring).abs();
-        std::array::from_fn(|direction| {
+        let strange = blocks.map(|layers| layers.map(|block| block.strangeness(noise, contrast)));
+        let trusted = strange.map(|layers| {
             (FIRST_SUSPECT..LAYERS)
-                .find(|&layer| blocks[direction][layer].is_strange(noise, contrast))
-                .map_or(LAYERS, |strange| (strange - 1).max(FIRST_SUSPECT))
-        })
+                .find(|&layer| layers[layer] > 1.0)
+                .map_or(LAYERS, |first| (first - 1).max(FIRST_SUSPECT))
+        });
+        Judgement {
+            trusted,
+            strangeness: strange.map(|layers| layers.into_iter().fold(0.0, f64::max)),
+        }
     }
 
     /// Leaves the untrusted pixels out of a window.
@@ -136,9 +175,10 @@ impl Block {
         self.pixels += 1.0;
     }
 
-    fn is_strange(&self, noise: f64, contrast: f64) -> bool {
+    /// The mean residual over what noise allows.
+    fn strangeness(&self, noise: f64, contrast: f64) -> f64 {
         let mean = self.sum / self.pixels.max(1.0);
-        let most = MOST_DEVIATIONS * noise / self.pixels.max(1.0).sqrt() + MODEL_ERROR * contrast;
-        self.pixels >= LEAST_PIXELS && mean.abs() > most
+        let independent = self.pixels.clamp(1.0, INDEPENDENT);
+        mean.abs() / (MOST_DEVIATIONS * noise / independent.sqrt() + MODEL_ERROR * contrast)
     }
 }

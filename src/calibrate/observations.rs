@@ -110,8 +110,12 @@ fn observation(
     })
 }
 
-/// The variance of a coordinate for rings without a covariance, px^2: the median of those that have one, so that
-/// neither kind drowns the other; 1 where none has.
+/// How much less certain than the others a ring is that has no covariance among rings that have: its grey values could not be fitted, and
+/// its centre is that of edges.
+const EDGES_VARIANCE: f64 = 100.0;
+
+/// The variance of a coordinate for rings without a covariance, px^2: much more than the median of those that have one; 1 where
+/// none has.
 fn typical_variance(views: &[View]) -> f64 {
     let mut variances: Vec<f64> = views
         .iter()
@@ -121,5 +125,7 @@ fn typical_variance(views: &[View]) -> f64 {
         .filter(|variance| variance.is_finite() && *variance > 0.0)
         .collect();
     variances.sort_by(f64::total_cmp);
-    variances.get(variances.len() / 2).copied().unwrap_or(1.0)
+    variances
+        .get(variances.len() / 2)
+        .map_or(1.0, |median| EDGES_VARIANCE * median)
 }

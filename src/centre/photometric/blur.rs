@@ -46,7 +46,7 @@ impl Blur {
     pub(super) fn least_size(&self) -> f64 {
         match self.psf {
             Psf::Gaussian => super::gaussian::LEAST_SIGMA,
-            Psf::Disc => super::disc::LEAST_RADIUS,
+            Psf::Disc => 2.0 * super::gaussian::LEAST_SIGMA,
         }
     }
 

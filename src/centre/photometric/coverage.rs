@@ -19,6 +19,9 @@ pub(super) type Lanes = [f32; LANES];
 /// What a ring changes with: its shape, then its blur.
 pub(super) const COVERAGE_PARAMETERS: usize = SHAPE_PARAMETERS + 1;
 
+/// A disc of a smaller radius (pixels of the grid) is a Gaussian of the same spread, within 6e-3: the pixel's own box hides the rest.
+const SMALL_DISC: f64 = 0.75;
+
 /// One picture of the window, rows padded.
 pub(super) type Plane = Vec<f32>;
 
@@ -63,10 +66,14 @@ impl Coverage {
                 plane.resize(size, 0.0);
             }
         }
+        let kernel_size = blur.size_px / grid.pixel_px;
+        let (psf, kernel_size, growth) = match blur.psf {
+            Psf::Disc if kernel_size < SMALL_DISC => (Psf::Gaussian, 0.5 * kernel_size, 0.5),
+            psf => (psf, kernel_size, 1.0),
+        };
         for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
             let contrast = contrasts.map(|both| both[circle] as f32);
-            let kernel_size = blur.size_px / grid.pixel_px;
-            match blur.psf {
+            match psf {
                 Psf::Gaussian => {
                     let spacing = Gaussian::spacing(kernel_size);
                     trace(&mut self.nodes, grid, shape, radius, spacing)?;
@@ -98,6 +105,10 @@ impl Coverage {
                     );
                 }
             }
+        }
+        if growth != 1.0 && contrasts.is_some() {
+            let by_blur = self.changes[SHAPE_PARAMETERS].iter_mut();
+            by_blur.for_each(|change| *change *= growth);
         }
         Some(())
     }

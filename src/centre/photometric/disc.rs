@@ -1,23 +1,28 @@
 //! Stamps of a disc of even light (pillbox), as a round aperture makes, integrated over the pixels.
 //!
 //! At height y the disc is a chord of half-width s = sqrt(c^2 - y^2). Summed up from the left it is a ramp from -s to s, which the
-//! pixel's width rounds off at both corners; over the pixel's height it is averaged by Gauss-Legendre, on the part of
-//! the height that the disc reaches.
+//! pixel's width rounds off at both corners. Over the pixel's height it is averaged by three chords: Gauss-Legendre, where the disc's rim
+//! lies in the pixel in the square root of the distance from it, because chords begin like one; Gauss-Chebyshev where the
+//! whole disc lies in it.
 
 use super::boundary::Node;
 use super::coverage::{Kernel, LANES, Lanes, Reach, vectors_within};
 use super::window::Grid;
 
-/// A disc smaller than this (pixels of the grid) is taken as one of this radius: the pixel's own box hides it.
-pub(super) const LEAST_RADIUS: f64 = 0.1;
 /// Distance of nodes in pixels of the grid, from small discs to large ones, and the radius from which one is large.
-const SPACING: (f64, f64) = (0.2, 0.5);
+const SPACING: (f64, f64) = (0.03, 0.5);
 const LARGE: f64 = 4.0;
 /// Gauss-Legendre on [-1, 1]: places and weights over two.
 const HEIGHTS: [(f32, f32); 3] = [
     (-0.774_596_7, 5.0 / 18.0),
     (0.0, 8.0 / 18.0),
     (0.774_596_7, 5.0 / 18.0),
+];
+/// Gauss-Chebyshev of the second kind: places and weights for chords.
+const WHOLE: [(f32, f32); 3] = [
+    (-0.707_106_8, 0.555_360_4),
+    (0.0, 0.785_398_2),
+    (0.707_106_8, 0.555_360_4),
 ];
 
 /// A disc over a window.
@@ -39,7 +44,7 @@ impl Disc {
     /// Takes the disc's radius, in pixels of the grid.
     #[inline(always)]
     pub(super) fn prepare(&mut self, grid: &Grid, _: &[Node], radius: f64) {
-        self.radius = radius.max(LEAST_RADIUS) as f32;
+        self.radius = radius as f32;
         self.vectors = grid.stride() / LANES;
     }
 
@@ -47,13 +52,24 @@ impl Disc {
     #[inline(always)]
     fn chords(&self, y: f32) -> [Chord; 3] {
         let radius = self.radius;
-        let (first, last) = ((y - 0.5).max(-radius), (y + 0.5).min(radius));
-        let (middle, half) = (0.5 * (first + last), (0.5 * (last - first)).max(0.0));
-        let scale = 2.0 * half / (std::f32::consts::PI * radius * radius);
-        HEIGHTS.map(|(place, weight)| {
-            let v = middle + half * place;
-            ((radius * radius - v * v).max(0.0).sqrt(), weight * scale)
-        })
+        let scale = 1.0 / (std::f32::consts::PI * radius * radius);
+        let chord = |v: f32, weight: f32| {
+            let half_width = (radius * radius - v * v).max(0.0).sqrt();
+            (half_width, weight * scale)
+        };
+        let (first, last) = (y - 0.5, y + 0.5);
+        match (first < -radius, last > radius) {
+            (true, true) => WHOLE.map(|(place, weight)| chord(radius * place, radius * weight)),
+            (false, false) => HEIGHTS.map(|(place, weight)| chord(y + 0.5 * place, weight)),
+            (low, _) => {
+                let length = if low { last + radius } else { radius - first };
+                HEIGHTS.map(|(place, weight)| {
+                    let u = 0.5 * (1.0 + place);
+                    let v = radius - length * u * u;
+                    chord(if low { -v } else { v }, 2.0 * length * u * weight)
+                })
+            }
+        }
     }
 
     /// Change of a chord's half-width by the radius.

@@ -42,6 +42,14 @@ pub struct RingMeasured {
     pub kept: KeptRing,
 }
 
+impl KeptRing {
+    /// What it takes of memory, bytes.
+    pub fn bytes(&self) -> usize {
+        let window = self.window.as_ref();
+        size_of::<Self>() + window.map_or(0, |w| 2 * w.light.len() + size_of_val(&w.censored[..]))
+    }
+}
+
 impl KeptWindow {
     /// Keeps a window; `None` where it is too large.
     pub(super) fn of(window: &Window) -> Option<Self> {

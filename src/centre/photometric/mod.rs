@@ -56,3 +56,6 @@ pub use ring::{RingError, RingStart, Seen, measure_ring};
 pub use shape::{SHAPE_PARAMETERS, Shape};
 pub use start::window;
 pub use window::{End, Grid, Rectangle, Window};
+
+#[cfg(test)]
+mod tests;

@@ -118,7 +118,12 @@ impl Surroundings {
     }
 
     /// How far each direction is to be trusted, by the residuals of a fit (padded rows like the window's).
-    pub(super) fn judge(&self, window: &Window, residuals: &[f32], fitted: &RingFitted) -> Judgement {
+    pub(super) fn judge(
+        &self,
+        window: &Window,
+        residuals: &[f32],
+        fitted: &RingFitted,
+    ) -> Judgement {
         let (grid, stride) = (&window.grid, window.grid.stride());
         let mut blocks = [[Block::default(); LAYERS]; DIRECTIONS];
         let mut own = Block::default();

@@ -1,0 +1,138 @@
+//! Boards: better than their rings alone, in the presence of a lens, of neighbours and of the sheet's edge.
+
+use crate::board::{Board, Polarity};
+use crate::calibrate::CalibrateOptions;
+use crate::camera::{Camera, Intrinsics, PlumbBob};
+use crate::centre::Estimator;
+use crate::detect::{DetectOptions, Detection, Detector};
+use crate::refine::{calibrate_refined, refine};
+use crate::session::View;
+use crate::simulate::{Defocus, Scene, Truth, render, views};
+
+const CAMERA: Camera = Camera {
+    width: 1280,
+    height: 960,
+    intrinsics: Intrinsics {
+        fx: 1200.0,
+        fy: 1205.0,
+        cx: 645.0,
+        cy: 472.0,
+    },
+    distortion: PlumbBob {
+        k1: -0.2,
+        k2: 0.08,
+        p1: 0.001,
+        p2: -0.0005,
+        k3: 0.0,
+    },
+};
+
+fn board() -> Board {
+    Board::new(7, 7, 0.0269, 0.003, 0.006, Polarity::DarkOnLight).unwrap()
+}
+
+/// Boards of a view each, detected, with their truths.
+fn detected(defocus: Defocus, margin: f64, count: usize) -> Vec<(Detection, Truth)> {
+    let poses = views(&CAMERA, &board(), count, 0.6, 11).unwrap();
+    let options = DetectOptions {
+        estimator: Estimator::Photometric,
+        ..DetectOptions::default()
+    };
+    let detector = Detector::new(board(), options);
+    poses
+        .into_iter()
+        .enumerate()
+        .map(|(i, pose)| {
+            let mut scene = Scene::new(CAMERA, board(), pose);
+            scene.defocus = defocus;
+            scene.light.margin = margin;
+            scene.light.shading = [0.25, -0.1];
+            scene.sensor.read_noise = 0.01;
+            let rendering = render(&scene, i as u64).unwrap();
+            (detector.detect(&rendering.frame).unwrap(), rendering.truth)
+        })
+        .collect()
+}
+
+/// Root mean square of the error, of that of the rings alone, and mean normalised square; all rings must have a covariance.
+fn figures(found: &[(Detection, Truth)]) -> [f64; 3] {
+    let (mut shared, mut alone, mut normalised, mut count) = (0.0, 0.0, 0.0, 0.0);
+    for (detection, truth) in found {
+        for ring in &detection.rings {
+            let of_ring =
+                |t: &&crate::simulate::RingTruth| (t.row, t.column) == (ring.row, ring.column);
+            let at = truth.rings.iter().find(of_ring).unwrap().centre;
+            let off = ring.centre.point - at;
+            let own = ring.kept.as_ref().unwrap().fitted.model.shape.centre - at;
+            let inverse = ring.centre.covariance.unwrap().try_inverse().unwrap();
+            shared += off.norm_squared();
+            alone += own.norm_squared();
+            normalised += off.dot(&(inverse * off));
+            count += 1.0;
+        }
+    }
+    [
+        (shared / count).sqrt(),
+        (alone / count).sqrt(),
+        normalised / count,
+    ]
+}
+
+#[test]
+fn rings_of_a_board_are_better_than_alone_and_honest() {
+    for defocus in [Defocus::None, Defocus::gaussian(3.0), Defocus::disc(8.0)] {
+        let found = detected(defocus, f64::INFINITY, 3);
+        assert!(found.iter().all(|(d, _)| d.rings.len() == 49));
+        let [shared, alone, normalised] = figures(&found);
+        assert!(shared < 0.7 * alone, "{defocus:?}: {shared} {alone}");
+        assert!(
+            (1.5..3.0).contains(&normalised),
+            "{defocus:?}: {normalised}"
+        );
+    }
+}
+
+#[test]
+fn the_sheet_s_edge_and_the_neighbours_do_not_pull() {
+    let found = detected(Defocus::gaussian(6.0), 1.5, 2);
+    let [shared, _, normalised] = figures(&found);
+    assert!(shared < 0.035, "{shared}");
+    assert!(normalised < 4.0, "{normalised}");
+}
+
+#[test]
+fn the_second_pass_does_not_make_centres_worse_and_agrees_with_itself() {
+    let found = detected(Defocus::gaussian(5.0), f64::INFINITY, 6);
+    let kept: Vec<View> = found.iter().map(|(d, _)| View::of_file("x", d)).collect();
+    let options = CalibrateOptions::default();
+    let (calibration, refined) = calibrate_refined(&board(), &kept, &options).unwrap();
+    let error = |views: &[View]| {
+        let pairs = views.iter().zip(&found).flat_map(|(view, (_, truth))| {
+            view.rings.iter().map(|ring| {
+                let of_ring =
+                    |t: &&crate::simulate::RingTruth| (t.row, t.column) == (ring.row, ring.column);
+                let at = truth.rings.iter().find(of_ring).unwrap().centre;
+                (ring.centre.point - at).norm_squared()
+            })
+        });
+        let all: Vec<f64> = pairs.collect();
+        (all.iter().sum::<f64>() / all.len() as f64).sqrt()
+    };
+    let (before, after) = (error(&kept), error(&refined));
+    assert!(after < 1.05 * before, "{before} {after}");
+    assert!((calibration.camera.intrinsics.fx - 1200.0).abs() < 1.0);
+    let again = refine(&board(), &kept, &calibration);
+    let moved = again.iter().zip(&refined).flat_map(|(a, b)| {
+        let pairs = a.rings.iter().zip(&b.rings);
+        pairs.map(|(a, b)| (a.centre.point - b.centre.point).norm())
+    });
+    assert!(moved.fold(0.0_f64, f64::max) < 0.3 * after);
+    for view in &kept {
+        let bytes: usize = view
+            .rings
+            .iter()
+            .map(|r| r.kept.as_ref().unwrap().bytes())
+            .sum();
+        assert!(bytes < 200_000, "{bytes}");
+    }
+}

@@ -125,8 +125,8 @@ fn coverages_agree_with_the_simulator() {
         (22.0, 80, Blur::gaussian(4.0), 4, 1e-4),
         (22.0, 80, Blur::disc(0.5), 1, 7e-3),
         (22.0, 80, Blur::disc(1.0), 1, 2e-3),
-        (22.0, 80, Blur::disc(2.0), 1, 1e-3),
-        (22.0, 80, Blur::disc(4.0), 1, 6e-4),
+        (22.0, 80, Blur::disc(2.0), 1, 2e-3),
+        (22.0, 80, Blur::disc(4.0), 1, 2e-3),
         (22.0, 90, Blur::disc(8.0), 2, 6e-4),
         // contrast inverted, and a disc larger than the inner ellipse
         (22.0, 90, Blur::disc(13.0), 3, 6e-4),
@@ -213,7 +213,12 @@ fn derivatives_agree_with_finite_differences() {
             for (i, told) in told.iter().enumerate() {
                 let slope = (up[i] - down[i]) / (2.0 * h);
                 let error = (slope - told).abs() / largest;
-                assert!(error < 0.05, "{blur:?} {k} {i}: {slope} {told} {error:.1e}");
+                // a disc's rim is a step, which nodes half a pixel apart follow roughly
+                let most = match blur.psf {
+                    Psf::Gaussian => 0.02,
+                    Psf::Disc => 0.1,
+                };
+                assert!(error < most, "{blur:?} {k} {i}: {slope} {told} {error:.1e}");
             }
         }
     }

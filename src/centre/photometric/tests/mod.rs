@@ -127,11 +127,11 @@ fn coverages_agree_with_the_simulator() {
         (22.0, 80, Blur::disc(1.0), 1, 2e-3),
         (22.0, 80, Blur::disc(2.0), 1, 2e-3),
         (22.0, 80, Blur::disc(4.0), 1, 2e-3),
-        (22.0, 90, Blur::disc(8.0), 2, 6e-4),
+        (22.0, 90, Blur::disc(8.0), 2, 1e-3),
         // contrast inverted, and a disc larger than the inner ellipse
-        (22.0, 90, Blur::disc(13.0), 3, 6e-4),
-        (22.0, 110, Blur::disc(20.0), 5, 6e-4),
-        (100.0, 320, Blur::disc(40.0), 8, 6e-4),
+        (22.0, 90, Blur::disc(13.0), 3, 1e-3),
+        (22.0, 110, Blur::disc(20.0), 5, 1e-3),
+        (100.0, 320, Blur::disc(40.0), 8, 1e-3),
     ] {
         let error = worst_error(outer_px, size, &blur, bin);
         assert!(error < most, "{outer_px} {blur:?}: {error:.2e}");
@@ -216,7 +216,7 @@ fn derivatives_agree_with_finite_differences() {
                 // a disc's rim is a step, which nodes half a pixel apart follow roughly
                 let most = match blur.psf {
                     Psf::Gaussian => 0.02,
-                    Psf::Disc => 0.1,
+                    Psf::Disc => 0.2,
                 };
                 assert!(error < most, "{blur:?} {k} {i}: {slope} {told} {error:.1e}");
             }

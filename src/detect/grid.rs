@@ -7,11 +7,13 @@ use super::places::Places;
 use super::plausible::is_plausible;
 use super::ring_fit::{RingFit, measure, measure_disc};
 use crate::board::Board;
-use crate::centre::RingEllipses;
+use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
 
 /// Fraction of the board's rings that must be found, besides one in every row and column.
 const LEAST_FOUND: f64 = 0.6;
+/// A ring this much smaller or larger (logarithm) than the board says is seen with its contrast inverted.
+const ALIKE: f64 = 0.25;
 /// A lattice as full as this shows its true extent.
 const FULL: f64 = 0.8;
 
@@ -169,13 +171,15 @@ impl<'a> Measured<'a> {
 
     /// The two ellipses of a measured ring.
     fn ellipses(&self, label: Label, ring: &RingFit) -> Option<RingEllipses> {
-        if let Some(inner) = ring.inner {
+        let mut ellipses = self.predicted_ellipses(label)?;
+        let size = |e: &Ellipse| (e.major * e.minor).sqrt();
+        let alike = (size(&ring.outer) / size(&ellipses.outer)).ln().abs() < ALIKE;
+        if let Some(inner) = ring.inner.filter(|_| alike) {
             return Some(RingEllipses {
                 inner,
                 outer: ring.outer,
             });
         }
-        let mut ellipses = self.predicted_ellipses(label)?;
         let shift = ring.outer.centre - ellipses.outer.centre;
         ellipses.inner.centre += shift;
         ellipses.outer.centre += shift;

@@ -12,6 +12,8 @@ use std::collections::{BTreeMap, VecDeque};
 const NEIGHBOUR: (f64, f64) = (0.7, 1.3);
 /// How far the axes of a seed may be from a right angle (cosine).
 const RIGHT_ANGLE: f64 = 0.4;
+/// What a neighbour that is farther away (logarithm) loses against a nearer one, in cosines.
+const NEARER: f64 = 0.6;
 /// How far from its predicted place a ring may be, as a fraction of the step there.
 const WALK_TOLERANCE: f64 = 0.3;
 /// The same once all others predict.
@@ -136,7 +138,9 @@ fn seed_axes(
         for (row, unit_row) in &neighbours {
             let cosine = unit_column.normalize().dot(&unit_row.normalize()).abs();
             let stretch = (unit_column.norm() / unit_row.norm()).ln().abs();
-            let score = cosine + stretch;
+            // a grid's diagonals stand at a right angle too, and blur makes rings look larger: the nearer are the neighbours
+            let length = 0.5 * (unit_column.norm() * unit_row.norm()).ln();
+            let score = cosine + stretch + NEARER * length;
             let right_handed = column.perp(row) > 0.0;
             if right_handed && cosine < RIGHT_ANGLE && best.is_none_or(|(b, _)| score < b) {
                 best = Some((score, [*column, *row]));

@@ -11,6 +11,11 @@ use std::collections::BTreeMap;
 const MOST_BENT: f64 = 0.08;
 /// Standard deviation of the rings' sizes about the board's (logarithm): blur changes them all alike.
 const MOST_UNEVEN: f64 = 0.15;
+/// The same where (nearly) every place of the board has a ring and all lie as exactly as this: a blur that inverts the contrast of some
+/// rings lets those look half as large as the others.
+const MOST_UNEVEN_WHERE_WHOLE: f64 = 0.45;
+const WHOLE: f64 = 0.9;
+const LEAST_BENT: f64 = 0.03;
 /// The rings' common size over the board's: blur makes them larger, a roughly measured board either.
 const SIZE: (f64, f64) = (0.6, 1.7);
 /// The faintest ring's contrast over the strongest's: a shadow over a part of the board leaves more.
@@ -38,8 +43,15 @@ pub(super) fn is_plausible(
     let contrast =
         |pick: fn(f64, f64) -> f64, start| rings.values().map(|r| r.contrast).fold(start, pick);
     let (faintest, strongest) = (contrast(f64::min, f64::MAX), contrast(f64::max, 0.0));
-    (bent / count).sqrt() < MOST_BENT
-        && uneven < MOST_UNEVEN
+    let bent = (bent / count).sqrt();
+    let whole = count >= WHOLE * board.ring_count() as f64 && bent < LEAST_BENT;
+    let most_uneven = if whole {
+        MOST_UNEVEN_WHERE_WHOLE
+    } else {
+        MOST_UNEVEN
+    };
+    bent < MOST_BENT
+        && uneven < most_uneven
         && (SIZE.0..SIZE.1).contains(&common.exp())
         && faintest > LEAST_CONTRAST * strongest
 }

@@ -16,7 +16,7 @@ const MOST_STRAY: (f64, f64) = (0.25, 0.12);
 const RATIO_SLACK: f64 = 1.5;
 /// The inner disc of a ring drowns where the blur sigma passes about its radius; a disc less blurred than this fraction
 /// of what would be its inner radius is a plain disc. (Measured blur falls short of the true one there by a third.)
-const DROWNING_BLUR: f64 = 0.6;
+const DROWNING_BLUR: f64 = 0.4;
 /// Where rays of a disc begin, as a fraction of its radius.
 const DISC_MIDDLE: f64 = 0.05;
 

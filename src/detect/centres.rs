@@ -6,10 +6,11 @@ use super::grid::Placed;
 use crate::board::Board;
 use crate::camera::homography::{apply, fit_homography};
 use crate::centre::photometric::{
-    BoardPlace, BoardStart, RingError, RingFitted, RingMeasured, measure_board,
+    BoardPlace, BoardStart, ResponseGamma, RingError, RingFitted, RingMeasured, estimate_gamma,
+    measure_board,
 };
 use crate::centre::{Centre, CentreEstimator, Ellipse, Estimator, RingEllipses};
-use crate::frame::{Frame, Linear};
+use crate::frame::{Frame, Linear, Pixels};
 use nalgebra::{Matrix3, Point2};
 use std::sync::Arc;
 
@@ -23,7 +24,6 @@ pub(super) fn centres(
     board: &Board,
     placed: &[Placed],
     options: &DetectOptions,
-    linear: &Linear,
     sign: f64,
 ) -> (Vec<Ring>, Option<Measured>) {
     match options.estimator.construction() {
@@ -34,7 +34,7 @@ pub(super) fn centres(
             (rings.collect(), None)
         }
         None => {
-            let (rings, measured) = photometric(frame, board, placed, options, linear, sign);
+            let (rings, measured) = photometric(frame, board, placed, options, sign);
             (rings, Some(measured))
         }
     }
@@ -86,7 +86,6 @@ fn photometric(
     board: &Board,
     placed: &[Placed],
     options: &DetectOptions,
-    linear: &Linear,
     sign: f64,
 ) -> (Vec<Ring>, Measured) {
     let mut at: Vec<(u16, u16)> = placed.iter().map(|ring| (ring.row, ring.column)).collect();
@@ -102,13 +101,19 @@ fn photometric(
         at.push(label);
         places.push(place);
     }
+    let plain = Linear::new(1.0, false);
     let start = BoardStart {
         places: &places,
         outer_radius_m: board.outer_radius_m(),
         ratio: board.radius_ratio(),
         sign,
         psf: options.psf,
-        linear,
+        linear: &plain,
+    };
+    let linear = response(frame, options, &start);
+    let start = BoardStart {
+        linear: &linear,
+        ..start
     };
     let measured = measure_board(frame, &start);
     let mut report = Measured {
@@ -134,6 +139,15 @@ fn photometric(
     }
     rings.sort_by_key(|ring| (ring.row, ring.column));
     (rings, report)
+}
+
+/// Light from this frame's grey values.
+pub(super) fn response(frame: &Frame, options: &DetectOptions, start: &BoardStart) -> Linear {
+    let gamma = match options.response_gamma {
+        ResponseGamma::Fixed(gamma) => gamma,
+        ResponseGamma::Auto => estimate_gamma(frame, start),
+    };
+    Linear::new(gamma, matches!(frame.pixels, Pixels::U16(_)))
 }
 
 fn of_measured(at: (u16, u16), ring: RingMeasured, ratio: f64) -> Option<Ring> {

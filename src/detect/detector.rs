@@ -9,7 +9,7 @@ use crate::board::{Board, Polarity};
 use crate::camera::Camera;
 use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
-use crate::frame::{Frame, Linear, Pixels};
+use crate::frame::Frame;
 
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -86,9 +86,8 @@ impl Detector {
 
     /// `sign` is 1 for dark rings, -1 for light ones.
     fn detect_sign(&self, frame: &Frame, sign: f64) -> Result<Detection, Miss> {
-        let linear = self.linear(frame);
         if self.board.is_single() {
-            return find_single(frame, &self.board, &self.options, &linear, sign);
+            return find_single(frame, &self.board, &self.options, sign);
         }
         let ratio = self.board.radius_ratio();
         let rings = find_rings(frame, sign, ratio);
@@ -96,8 +95,7 @@ impl Detector {
             let all = add_drowned(frame, rings, sign, ratio);
             find_grid(frame, &self.board, &all, sign)
         })?;
-        let (rings, photometric) =
-            centres(frame, &self.board, &placed, &self.options, &linear, sign);
+        let (rings, photometric) = centres(frame, &self.board, &placed, &self.options, sign);
         let homography = board_homography(&self.board, &rings).ok_or(Miss::NoGrid {
             found: rings.len(),
             rows: self.board.rows(),
@@ -111,14 +109,5 @@ impl Detector {
             homography,
             photometric,
         })
-    }
-
-    /// Light from this frame's grey values.
-    fn linear(&self, frame: &Frame) -> Linear {
-        let gamma = match self.options.response_gamma {
-            ResponseGamma::Fixed(gamma) => gamma,
-            ResponseGamma::Auto => 1.0,
-        };
-        Linear::new(gamma, matches!(frame.pixels, Pixels::U16(_)))
     }
 }

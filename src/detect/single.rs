@@ -1,6 +1,6 @@
 //! A board of one ring: the most conspicuous of the frame.
 
-use super::centres::{constructed, drawn};
+use super::centres::{constructed, drawn, response};
 use super::detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::Placed;
@@ -8,10 +8,12 @@ use super::patch::patch;
 use super::ring_fit::RingFit;
 use super::rings::{add_drowned, find_rings};
 use crate::board::Board;
-use crate::centre::photometric::{RingError, RingFitted, RingStart, Seen, Workspace, measure_ring};
+use crate::centre::photometric::{
+    BoardPlace, BoardStart, RingError, RingFitted, RingStart, Seen, Workspace, measure_ring,
+};
 use crate::centre::{Centre, Ellipse, Estimator, RingEllipses};
 use crate::frame::{Frame, Linear};
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Point2};
 
 /// So many candidates are measured, the most conspicuous first.
 const MEASURED: usize = 3;
@@ -23,7 +25,6 @@ pub(super) fn find_single(
     frame: &Frame,
     board: &Board,
     options: &DetectOptions,
-    linear: &Linear,
     sign: f64,
 ) -> Result<Detection, Miss> {
     let ratio = board.radius_ratio();
@@ -39,7 +40,9 @@ pub(super) fn find_single(
         let ring = constructed(&edges, construction.as_ref()).ok_or(Miss::NoRing)?;
         return Ok(detection(frame, board, ring, None));
     }
-    match photometric(frame, board, options, linear, &rings, sign) {
+    let candidates = candidates(frame, &rings, sign);
+    let linear = linear(frame, board, options, &candidates, sign);
+    match photometric(frame, board, options, &linear, &candidates, sign) {
         Ok(fitted) => {
             let centre = Centre {
                 point: fitted.model.shape.centre,
@@ -71,20 +74,56 @@ pub(super) fn find_single(
     }
 }
 
-/// The first of the candidates that measures as a ring; after those with edges, the frame's most conspicuous patch.
+/// An outline, px, and the blur it seems to have, px.
+type Candidate = (Ellipse, f64);
+
+/// The rings with edges, the most conspicuous first, then the frame's most conspicuous patch.
+fn candidates(frame: &Frame, rings: &[RingFit], sign: f64) -> Vec<Candidate> {
+    let seen = rings.iter().map(|fit| (fit.outer, fit.blur_sigma_px));
+    let patch = patch(frame, sign).map(|outline| (outline, PATCH_BLUR * outline.minor));
+    seen.take(MEASURED).chain(patch).collect()
+}
+
+/// Light from this frame's grey values.
+fn linear(
+    frame: &Frame,
+    board: &Board,
+    options: &DetectOptions,
+    candidates: &[Candidate],
+    sign: f64,
+) -> Linear {
+    let places: Vec<BoardPlace> = candidates
+        .iter()
+        .take(1)
+        .map(|&(outline, sigma_px)| BoardPlace {
+            plane_m: Point2::origin(),
+            outline,
+            sigma_px,
+        })
+        .collect();
+    let start = BoardStart {
+        places: &places,
+        outer_radius_m: board.outer_radius_m(),
+        ratio: board.radius_ratio(),
+        sign,
+        psf: options.psf,
+        linear: &Linear::new(1.0, false),
+    };
+    response(frame, options, &start)
+}
+
+/// The first of the candidates that measures as a ring.
 fn photometric(
     frame: &Frame,
     board: &Board,
     options: &DetectOptions,
     linear: &Linear,
-    rings: &[RingFit],
+    candidates: &[Candidate],
     sign: f64,
 ) -> Result<RingFitted, RingError> {
     let mut room = Workspace::default();
     let mut failure = RingError::Outside;
-    let seen = rings.iter().map(|fit| (fit.outer, fit.blur_sigma_px));
-    let patch = patch(frame, sign).map(|outline| (outline, PATCH_BLUR * outline.minor));
-    for (outline, sigma_px) in seen.take(MEASURED).chain(patch) {
+    for &(outline, sigma_px) in candidates {
         let start = RingStart {
             seen: Seen {
                 outline,

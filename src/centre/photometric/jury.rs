@@ -12,6 +12,7 @@ use super::psf::{Both, Known};
 use super::ring::gate;
 use super::shape::Shape;
 use super::start::{Cut, cut, levels};
+use super::window::Window;
 use crate::frame::Frame;
 use nalgebra::{Matrix3, Point2, Vector3};
 use rayon::prelude::*;
@@ -72,7 +73,7 @@ pub(super) fn verdict(frame: &Frame, board: &BoardStart, view: Option<&PlaneView
         .par_iter()
         .map_init(Workspace::default, |room, &i| {
             let place = board.places[i];
-            Some((place, hear(frame, board, &place, view, room)?))
+            Some((place, hear(frame, board, &place, view, room)?.0))
         })
         .flatten()
         .collect();
@@ -105,7 +106,7 @@ pub(super) fn verdict(frame: &Frame, board: &BoardStart, view: Option<&PlaneView
 }
 
 /// A few rings spread over the board, none of them at its border where it is large enough.
-fn jurors(places: &[BoardPlace]) -> Vec<usize> {
+pub(super) fn jurors(places: &[BoardPlace]) -> Vec<usize> {
     let range = |of: fn(&BoardPlace) -> f64| {
         let low = places.iter().map(of).fold(f64::MAX, f64::min);
         let high = places.iter().map(of).fold(f64::MIN, f64::max);
@@ -139,14 +140,14 @@ fn shape_of(place: &BoardPlace, view: Option<&PlaneView>) -> Shape {
         .unwrap_or_else(|| Shape::frontal(&place.outline))
 }
 
-/// Fits one ring with the shapes of blur that are asked for.
-fn hear(
+/// Fits one ring with the shapes of blur that are asked for; its fits and its pixels.
+pub(super) fn hear(
     frame: &Frame,
     board: &BoardStart,
     place: &BoardPlace,
     view: Option<&PlaneView>,
     room: &mut Workspace,
-) -> Option<Both> {
+) -> Option<(Both, Window)> {
     let sharp = is_sharp(board, place);
     let cut_px = if sharp {
         place.sigma_px
@@ -200,7 +201,8 @@ fn hear(
             }
         }
     };
-    both.likelier().ok().and_then(gated).map(|_| both)
+    both.likelier().ok().and_then(gated)?;
+    Some((both, pixels))
 }
 
 fn relative_size(place: &BoardPlace, fitted: &RingFitted) -> f64 {

@@ -108,6 +108,7 @@ fn photometric(
         ratio: board.radius_ratio(),
         sign,
         psf: options.psf,
+        camera: options.camera,
         linear: &plain,
     };
     let linear = response(frame, options, &start);

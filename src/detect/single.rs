@@ -107,6 +107,7 @@ fn linear(
         ratio: board.radius_ratio(),
         sign,
         psf: options.psf,
+        camera: options.camera,
         linear: &Linear::new(1.0, false),
     };
     response(frame, options, &start)

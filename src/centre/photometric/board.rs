@@ -11,7 +11,7 @@ use super::fit::{Given, RingFitted};
 use super::jury::{Verdict, verdict};
 use super::kept::{KeptRing, KeptWindow, RingMeasured};
 use super::law::share_perspective;
-use super::lens_map::LensMap;
+use super::lens_map::{LensMap, blank};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
@@ -20,6 +20,7 @@ use super::ring::{RingError, Seen, gate};
 use super::start::{Cut, cut};
 use super::trust::Surroundings;
 use super::window::{Grid, Window};
+use crate::camera::Camera;
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
 use nalgebra::Point2;
@@ -58,6 +59,8 @@ pub struct BoardStart<'a> {
     pub sign: f64,
     /// The shape of the blur.
     pub psf: PsfChoice,
+    /// The camera, where it is known already: it gives the rings' perspective.
+    pub camera: Option<Camera>,
     /// Light from grey values.
     pub linear: &'a Linear,
 }
@@ -101,7 +104,10 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
             break;
         }
     }
-    finish(board, verdict.psf, rings, (frame.width(), frame.height()))
+    let camera = board
+        .camera
+        .unwrap_or_else(|| blank(frame.width(), frame.height()));
+    finish(board, verdict.psf, rings, &camera)
 }
 
 /// A ring under measurement.
@@ -258,12 +264,7 @@ fn reaches(model: &RingModel, grid: &Grid) -> bool {
 
 /// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
 /// through the others.
-fn finish(
-    board: &BoardStart,
-    psf: Psf,
-    mut rings: Vec<Under>,
-    frame: (usize, usize),
-) -> BoardMeasured {
+fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) -> BoardMeasured {
     let fitted: Vec<RingFitted> = rings.iter().filter_map(|r| r.fitted.ok()).collect();
     let places: Vec<_> = rings
         .iter()
@@ -271,7 +272,7 @@ fn finish(
         .filter(|(ring, _)| ring.fitted.is_ok())
         .map(|(_, place)| place.plane_m)
         .collect();
-    let (shared, map) = share_perspective(&fitted, &places, board.outer_radius_m, frame);
+    let (shared, map) = share_perspective(&fitted, &places, board.outer_radius_m, camera);
     if let Some(map) = map.filter(|_| places.len() < rings.len()) {
         fit_given(board, &mut rings, &map);
     }

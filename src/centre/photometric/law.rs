@@ -9,6 +9,7 @@
 
 use super::fit::RingFitted;
 use super::lens_map::{Anchor, LensMap};
+use crate::camera::Camera;
 use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector2};
 use rayon::prelude::*;
 
@@ -33,7 +34,7 @@ pub(super) fn share_perspective(
     rings: &[RingFitted],
     plane_m: &[Point2<f64>],
     outer_radius_m: f64,
-    frame: (usize, usize),
+    camera: &Camera,
 ) -> (Vec<CentreAndCovariance>, Option<LensMap>) {
     let mut map = None;
     let mut centres: Vec<CentreAndCovariance> = rings
@@ -50,7 +51,7 @@ pub(super) fn share_perspective(
                 variance: 0.5 * covariance.trace(),
             })
             .collect();
-        let known = LensMap::through(&anchors, frame).and_then(|certain| {
+        let known = LensMap::through(&anchors, camera).and_then(|certain| {
             map = Some(certain.map);
             let perspectives = plane_m
                 .par_iter()

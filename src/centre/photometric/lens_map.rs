@@ -10,6 +10,7 @@
 
 use super::shape::Shape;
 use crate::camera::homography::{apply, fit_homography};
+use crate::camera::{Camera, Intrinsics, PlumbBob};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Point2, Vector2};
 
 /// Coefficients of the lens for so many rings: radial r^2; r^4 and two tangential; r^6.
@@ -23,15 +24,12 @@ const SETTLED: f64 = 1e-3;
 const ROBUST: f64 = 3.0;
 const MOST_LENS: usize = 5;
 
-/// A homography followed by a lens about the frame's middle.
+/// A homography to the camera's normalised coordinates, followed by the camera's lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LensMap {
     homography: Matrix3<f64>,
-    /// r^2, r^4, tangential x and y, r^6; of places in half diagonals of the frame.
-    lens: [f64; MOST_LENS],
-    middle: Point2<f64>,
-    scale_px: f64,
-    /// How many of the lens's coefficients are free.
+    camera: Camera,
+    /// How many of the lens's coefficients are free, in the order k1, k2, p1, p2, k3.
     free: usize,
 }
 
@@ -51,20 +49,21 @@ pub(super) struct Anchor {
 }
 
 impl LensMap {
-    /// Least squares through centres in a frame of this size; `None` where they determine no plane.
-    pub(super) fn through(anchors: &[Anchor], frame: (usize, usize)) -> Option<Certain> {
-        let pairs: Vec<_> = anchors.iter().map(|a| (a.plane_m, a.at)).collect();
-        let (width, height) = (frame.0 as f64, frame.1 as f64);
-        let homography = fit_homography(&pairs)?;
+    /// Least squares through centres seen by a camera; `None` where they determine no plane. Of a [`blank`] camera the lens is found
+    /// too.
+    pub(super) fn through(anchors: &[Anchor], camera: &Camera) -> Option<Certain> {
+        let known = camera.distortion != PlumbBob::default();
+        let pairs = anchors
+            .iter()
+            .map(|a| Some((a.plane_m, camera.unproject(&a.at)?)));
+        let homography = fit_homography(&pairs.collect::<Option<Vec<_>>>()?)?;
         let enough = RINGS_FOR
             .iter()
             .rev()
-            .find(|(rings, _)| anchors.len() >= *rings);
+            .find(|(rings, _)| anchors.len() >= *rings && !known);
         let mut map = Self {
             homography: homography / homography[(2, 2)],
-            lens: [0.0; MOST_LENS],
-            middle: Point2::new(0.5 * (width - 1.0), 0.5 * (height - 1.0)),
-            scale_px: 0.5 * width.hypot(height),
+            camera: *camera,
             free: enough.map_or(0, |(_, coefficients)| *coefficients),
         };
         let mut settled = None;
@@ -79,7 +78,7 @@ impl LensMap {
                 break;
             }
         }
-        let finite = map.lens.iter().all(|v| v.is_finite());
+        let finite = map.lens().iter().all(|v| v.is_finite());
         Some(Certain {
             covariance: settled.filter(|_| finite)?.inverse(),
             map,
@@ -101,7 +100,7 @@ impl LensMap {
         for k in 0..self.free {
             let prior = LENS_PRIOR.powi(-2);
             normal[(8 + k, 8 + k)] += prior;
-            right[8 + k] -= prior * self.lens[k];
+            right[8 + k] -= prior * self.lens()[k];
         }
         Some((normal, right))
     }
@@ -112,29 +111,24 @@ impl LensMap {
         for k in 0..8 {
             moved.homography[(k / 3, k % 3)] += step[k];
         }
+        let mut lens = self.lens();
         for k in 0..self.free {
-            moved.lens[k] += step[8 + k];
+            lens[k] += step[8 + k];
         }
+        let [k1, k2, p1, p2, k3] = lens;
+        moved.camera.distortion = PlumbBob { k1, k2, p1, p2, k3 };
         moved
+    }
+
+    fn lens(&self) -> [f64; MOST_LENS] {
+        let PlumbBob { k1, k2, p1, p2, k3 } = self.camera.distortion;
+        [k1, k2, p1, p2, k3]
     }
 
     /// Where a place of the board (m) is seen, px.
     pub(super) fn place(&self, plane_m: Point2<f64>) -> Option<Point2<f64>> {
         let ideal = apply(&self.homography, plane_m)?;
-        let u = (ideal - self.middle) / self.scale_px;
-        Some(self.middle + self.distort(&u) * self.scale_px)
-    }
-
-    fn distort(&self, u: &Vector2<f64>) -> Vector2<f64> {
-        let [k1, k2, p1, p2, k3] = self.lens;
-        let r2 = u.norm_squared();
-        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-        let (x, y) = (u.x, u.y);
-        let tangential = Vector2::new(
-            2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-            p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
-        );
-        u * radial + tangential
+        Some(self.camera.pixel(&self.camera.distortion.distort(&ideal)))
     }
 
     /// Derivatives of a place by the homography's first eight entries and the lens, 2 rows.
@@ -142,18 +136,11 @@ impl LensMap {
         let source = plane_m.to_homogeneous();
         let seen = self.homography * source;
         let ideal = apply(&self.homography, plane_m)?;
-        let u = (ideal - self.middle) / self.scale_px;
-        let [k1, k2, p1, p2, k3] = self.lens;
-        let r2 = u.norm_squared();
-        let radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
-        let slope = 2.0 * (k1 + r2 * (2.0 * k2 + 3.0 * r2 * k3));
+        let k = &self.camera.intrinsics;
+        let focal = Matrix2::new(k.fx, 0.0, 0.0, k.fy);
+        let by_u = focal * self.camera.distortion.jacobian(&ideal);
+        let (u, r2) = (ideal.coords, ideal.coords.norm_squared());
         let (x, y) = (u.x, u.y);
-        let by_u = Matrix2::new(
-            radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x,
-            slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y,
-            slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y,
-            radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x,
-        );
         let mut out = DMatrix::zeros(2, 8 + self.free);
         for k in 0..3 {
             let (p, e) = (source[k] / seen.z, ideal.coords * (source[k] / seen.z));
@@ -165,7 +152,6 @@ impl LensMap {
                 out.fixed_view_mut::<2, 1>(0, 6 + k).copy_from(&(by_u * -e));
             }
         }
-        let s = self.scale_px;
         let by_lens = [
             u * r2,
             u * (r2 * r2),
@@ -175,7 +161,7 @@ impl LensMap {
         ];
         for k in 0..self.free {
             out.fixed_view_mut::<2, 1>(0, 8 + k)
-                .copy_from(&(by_lens[k] * s));
+                .copy_from(&(focal * by_lens[k]));
         }
         Some(out)
     }
@@ -207,6 +193,23 @@ impl Certain {
         }
         let covariance = &rows * &self.covariance * rows.transpose();
         Some((here, Matrix2::from_fn(|i, j| covariance[(i, j)])))
+    }
+}
+
+/// A camera of which nothing is known but its frame's size: places are in half diagonals about the middle.
+pub(super) fn blank(width: usize, height: usize) -> Camera {
+    let (w, h) = (width as f64, height as f64);
+    let half = 0.5 * w.hypot(h);
+    Camera {
+        width: width as u32,
+        height: height as u32,
+        intrinsics: Intrinsics {
+            fx: half,
+            fy: half,
+            cx: 0.5 * (w - 1.0),
+            cy: 0.5 * (h - 1.0),
+        },
+        distortion: PlumbBob::default(),
     }
 }
 
@@ -242,11 +245,12 @@ mod tests {
     use super::*;
 
     fn anchors(lens: [f64; MOST_LENS]) -> (LensMap, Vec<Anchor>) {
+        let [k1, k2, p1, p2, k3] = lens;
+        let mut camera = blank(1280, 960);
+        camera.distortion = PlumbBob { k1, k2, p1, p2, k3 };
         let map = LensMap {
-            homography: Matrix3::new(2100.0, 90.0, 180.0, -60.0, 1900.0, 150.0, 0.9, -0.6, 1.0),
-            lens,
-            middle: Point2::new(639.5, 479.5),
-            scale_px: 800.0,
+            homography: Matrix3::new(2.62, 0.11, -0.57, -0.075, 2.37, -0.41, 0.9, -0.6, 1.0),
+            camera,
             free: MOST_LENS,
         };
         let anchors = (0..49)
@@ -265,7 +269,7 @@ mod tests {
     #[test]
     fn a_lens_is_found_again_from_the_centres_it_made() {
         let (truth, anchors) = anchors([-0.11, 0.03, 0.0006, -0.0004, 0.0]);
-        let found = LensMap::through(&anchors, (1280, 960)).unwrap();
+        let found = LensMap::through(&anchors, &blank(1280, 960)).unwrap();
         for anchor in &anchors {
             assert!((found.map.place(anchor.plane_m).unwrap() - anchor.at).norm() < 1e-3);
             let (a, b) = (

@@ -52,6 +52,27 @@ pub struct Measured {
     pub fell_back: Vec<FellBack>,
 }
 
+impl Measured {
+    /// What a person wants to know of it, a plain sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let gamma = self.response_gamma;
+        let shape = self.psf.name();
+        let response = if gamma == 1.0 {
+            String::new()
+        } else {
+            format!(", response gamma {gamma:.2}")
+        };
+        let first = format!("blur is a {shape}{response}");
+        let fell_back = self.fell_back.iter().map(|ring| {
+            format!(
+                "row {}, column {}: centre from edges, without a covariance ({})",
+                ring.row, ring.column, ring.reason
+            )
+        });
+        std::iter::once(first).chain(fell_back).collect()
+    }
+}
+
 /// A ring whose grey values could not be fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FellBack {

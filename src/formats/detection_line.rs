@@ -1,6 +1,6 @@
 //! One line of `ringcal detect`: JSON for programs, text for people.
 
-use crate::detect::{Detection, Ring};
+use crate::detect::{Detection, Measured, Ring};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -25,6 +25,10 @@ pub struct DetectionLine {
     pub points: Vec<PointLine>,
     /// Why no board was found, one plain sentence.
     pub reason: Option<String>,
+    /// For people: what the photometric estimator found of blur and response, and which rings it could not measure and why. Not in
+    /// the JSON line.
+    #[serde(skip)]
+    pub notes: Vec<String>,
 }
 
 /// One ring of a [`DetectionLine`].
@@ -73,6 +77,11 @@ impl DetectionLine {
             elapsed_ms: Some(elapsed_ms),
             points: detection.rings.iter().map(PointLine::from).collect(),
             reason: None,
+            notes: detection
+                .photometric
+                .as_ref()
+                .map(Measured::notes)
+                .unwrap_or_default(),
         }
     }
 
@@ -98,6 +107,7 @@ impl DetectionLine {
             elapsed_ms: None,
             points: Vec::new(),
             reason: Some(reason),
+            notes: Vec::new(),
         }
     }
 
@@ -123,8 +133,11 @@ impl DetectionLine {
                 reason.as_deref().unwrap_or("no board")
             ),
         };
-        for p in &self.points {
+        for note in &self.notes {
             // writing to a String does not fail
+            let _ = write!(text, "\n  {note}");
+        }
+        for p in &self.points {
             let _ = write!(
                 text,
                 "\n  row {:2} column {:2}  x {:9.3}  y {:9.3}",

@@ -10,6 +10,16 @@ pub enum Psf {
     Disc,
 }
 
+impl Psf {
+    /// The word for it in options and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gaussian => "gaussian",
+            Self::Disc => "disc",
+        }
+    }
+}
+
 /// A blur, the same over one window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blur {

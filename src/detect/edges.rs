@@ -16,6 +16,16 @@ const LEVEL_SMOOTHING: f64 = 1.0 / 24.0;
 /// Fraction of the rays that must show an edge.
 const LEAST_RAYS: f64 = 0.6;
 
+/// Where an edge is taken to be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum LevelRule {
+    /// Half-way between the extrema of its own profile: there is one wherever the ring shows at all.
+    Extrema,
+    /// Half-way between the levels of the print: the paper as it is around the ring, and the ring as dark as it is where it is
+    /// widest. Blur fills a narrow part of a ring, and its extrema displace the edges there.
+    Print,
+}
+
 /// The edge points of a ring.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct RingEdges {
@@ -43,6 +53,7 @@ pub(super) fn ring_edges<T: Pixel>(
     picture: &Plane<T>,
     rough: &RingEllipses,
     sign: f64,
+    rule: LevelRule,
 ) -> Option<RingEdges> {
     let count = (std::f64::consts::TAU * rough.outer.major) as usize;
     let count = count.clamp(RAYS.0, RAYS.1);
@@ -56,7 +67,10 @@ pub(super) fn ring_edges<T: Pixel>(
     if profiles.len() < least {
         return None;
     }
-    let levels = smoothed_levels(&profiles);
+    let mut levels = smoothed_levels(&profiles);
+    if rule == LevelRule::Print {
+        print_levels(&mut levels);
+    }
     let mut edges = RingEdges::default();
     for (profile, level) in profiles.iter().zip(&levels) {
         let Some(outer) = outer_crossing(profile, level) else {
@@ -127,6 +141,37 @@ fn smoothed_levels(profiles: &[Profile]) -> Vec<Levels> {
             outside: outside[i],
         })
         .collect()
+}
+
+/// The rays that show the ring as dark as it is printed: this fraction, so that noise does not choose.
+const PRINT: f64 = 0.15;
+
+fn quantile(values: impl Iterator<Item = f64>, fraction: f64) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    let at = (values.len().saturating_sub(1)) as f64 * fraction;
+    values.get(at as usize).copied().unwrap_or(0.0)
+}
+
+/// The levels of the print on every ray: light falls on ring and paper alike, so that the darkest ratio of the two is the print's.
+/// (Values of light rings are negated, and so are differences taken: there the contrast's largest is the print's.)
+fn print_levels(levels: &mut [Levels]) {
+    let light = levels.iter().all(|l| l.outside > 0.0 && l.ring >= 0.0);
+    if light {
+        let ratio = |l: &Levels| l.ring / l.outside;
+        let darkest = quantile(levels.iter().map(ratio), PRINT);
+        for level in levels {
+            level.ring = darkest * level.outside;
+            level.inside = level.outside;
+        }
+    } else {
+        let contrast = |l: &Levels| l.outside - l.ring;
+        let largest = quantile(levels.iter().map(contrast), 1.0 - PRINT);
+        for level in levels {
+            level.ring = level.outside - largest;
+            level.inside = level.outside;
+        }
+    }
 }
 
 fn normal_at(ellipse: &Ellipse, point: &Point2<f64>) -> Vector2<f64> {

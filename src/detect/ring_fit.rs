@@ -1,7 +1,7 @@
 //! From rough ellipses to a measured ring: edges, ellipses, blur; or the verdict that it is none.
 
 use super::candidates::looks_concentric;
-use super::edges::{RingEdges, median, ring_edges};
+use super::edges::{LevelRule, RingEdges, median, ring_edges};
 use super::ellipse_fit::{EllipseFit, fit_ellipse};
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::{Frame, Pixels};
@@ -17,6 +17,8 @@ const RATIO_SLACK: f64 = 1.5;
 /// The inner disc of a ring drowns where the blur sigma passes about its radius; a disc less blurred than this fraction
 /// of what would be its inner radius is a plain disc. (Measured blur falls short of the true one there by a third.)
 const DROWNING_BLUR: f64 = 0.4;
+/// Blur fills a ring and displaces its edges from this fraction of its narrowest width on.
+const FILLING_BLUR: f64 = 0.12;
 /// Where rays of a disc begin, as a fraction of its radius.
 const DISC_MIDDLE: f64 = 0.05;
 
@@ -46,7 +48,7 @@ pub(super) fn measure(
     let mut ellipses = *rough;
     let mut fit = None;
     for _ in 0..ROUNDS {
-        let mut edges = edges_of(frame, &ellipses, sign)?;
+        let mut edges = edges_of(frame, &ellipses, sign, LevelRule::Extrema)?;
         let inner = fit_ellipse(&edges.inner)?;
         let outer = fit_ellipse(&edges.outer)?;
         ellipses = RingEllipses {
@@ -66,7 +68,12 @@ pub(super) fn measure(
             contrast: edges.contrast,
         });
     }
-    fit
+    let found = fit?;
+    let width = found.outer.minor - found.inner.map_or(0.0, |inner| inner.minor);
+    if found.blur_sigma_px < FILLING_BLUR * width {
+        return Some(found);
+    }
+    Some(at_print_levels(frame, &found, sign, ratio).unwrap_or(found))
 }
 
 /// Measures the outer edge alone of a ring so blurred that its inner disc does not show; `None` where there is none, or
@@ -84,7 +91,7 @@ pub(super) fn measure_disc(
             inner: scaled(&outline, DISC_MIDDLE),
             outer: outline,
         };
-        let mut edges = edges_of(frame, &rays, sign)?;
+        let mut edges = edges_of(frame, &rays, sign, LevelRule::Extrema)?;
         let outer = fit_ellipse(&edges.outer)?;
         let blur_sigma_px = median(&mut edges.blur_sigma_px);
         let drowned = blur_sigma_px > DROWNING_BLUR * ratio * outer.ellipse.minor;
@@ -103,10 +110,33 @@ pub(super) fn measure_disc(
     fit
 }
 
-fn edges_of(frame: &Frame, rough: &RingEllipses, sign: f64) -> Option<RingEdges> {
+/// The same ring with its edges at the levels of the print; `None` where it has none there.
+fn at_print_levels(frame: &Frame, ring: &RingFit, sign: f64, ratio: f64) -> Option<RingFit> {
+    let ellipses = RingEllipses {
+        inner: ring.inner?,
+        outer: ring.outer,
+    };
+    let edges = edges_of(frame, &ellipses, sign, LevelRule::Print)?;
+    let inner = fit_ellipse(&edges.inner)?;
+    let outer = fit_ellipse(&edges.outer)?;
+    let width = outer.ellipse.minor - inner.ellipse.minor;
+    let moved = RingEllipses {
+        inner: inner.ellipse,
+        outer: outer.ellipse,
+    };
+    let clean = is_clean(&inner, width) && is_clean(&outer, width);
+    (clean && looks_concentric(&moved, ratio, RATIO_SLACK)).then_some(RingFit {
+        outer: outer.ellipse,
+        inner: Some(inner.ellipse),
+        stray_px: inner.scale_px.max(outer.scale_px),
+        ..*ring
+    })
+}
+
+fn edges_of(frame: &Frame, rough: &RingEllipses, sign: f64, rule: LevelRule) -> Option<RingEdges> {
     match &frame.pixels {
-        Pixels::U8(plane) => ring_edges(plane, rough, sign),
-        Pixels::U16(plane) => ring_edges(plane, rough, sign),
+        Pixels::U8(plane) => ring_edges(plane, rough, sign, rule),
+        Pixels::U16(plane) => ring_edges(plane, rough, sign, rule),
     }
 }
 

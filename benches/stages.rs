@@ -1,6 +1,6 @@
 //! Every stage on a simulated frame of 1280 x 960 px: `cargo bench`.
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::Point2;
 use ringcal::board::{Board, Polarity};
 use ringcal::calibrate::{CalibrateOptions, calibrate};
@@ -82,8 +82,8 @@ fn stages(criterion: &mut Criterion) {
         let cross = detector(Estimator::Cross);
         let found = cross.detect(&frame).expect(SET_UP);
         let mut bench = |stage: &str, work: &dyn Fn()| {
-            let id = BenchmarkId::new(stage, name);
-            criterion.bench_function(id, |bencher| bencher.iter(work));
+            let id = format!("{stage}, {name}");
+            criterion.bench_function(&id, |bencher| bencher.iter(work));
         };
         bench("frame: first halving", &|| {
             black_box(half_of_frame(&frame));

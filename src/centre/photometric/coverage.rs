@@ -184,9 +184,9 @@ fn lay<K: Kernel>(
             }
         }
         let mut constant = [0.0_f32; 2];
-        for vector in 0..vectors {
-            constant[0] += beyond[vector][0];
-            constant[1] += beyond[vector][1];
+        for (vector, beyond) in beyond[..vectors].iter().enumerate() {
+            constant[0] += beyond[0];
+            constant[1] += beyond[1];
             let at = i * stride + vector * LANES;
             let here = active
                 .iter()

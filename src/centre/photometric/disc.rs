@@ -8,6 +8,7 @@
 use super::boundary::Node;
 use super::coverage::{Kernel, LANES, Lanes, Reach, vectors_within};
 use super::window::Grid;
+use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 /// Distance of nodes in pixels of the grid, from small discs to large ones, and the radius from which one is large.
 const SPACING: (f64, f64) = (0.03, 0.5);
@@ -20,9 +21,9 @@ const HEIGHTS: [(f32, f32); 3] = [
 ];
 /// Gauss-Chebyshev of the second kind: places and weights for chords.
 const WHOLE: [(f32, f32); 3] = [
-    (-0.707_106_8, 0.555_360_4),
-    (0.0, 0.785_398_2),
-    (0.707_106_8, 0.555_360_4),
+    (-FRAC_1_SQRT_2, FRAC_PI_4 * FRAC_1_SQRT_2),
+    (0.0, FRAC_PI_4),
+    (FRAC_1_SQRT_2, FRAC_PI_4 * FRAC_1_SQRT_2),
 ];
 
 /// A disc over a window.
@@ -108,21 +109,22 @@ impl Kernel for Disc {
     fn all(&self, row: &Self::Row, node: &Node, _: usize, vector: usize) -> [Lanes; 3] {
         let begin = (vector * LANES) as f32 - node.x;
         let shrink = 2.0 / self.radius;
-        let mut out = [[0.0; LANES]; 3];
+        let (mut sums, mut shares, mut slopes) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for &(half_width, weight) in row {
             let growth = weight * self.growth(half_width);
-            for l in 0..LANES {
+            let pixels = sums.iter_mut().zip(&mut shares).zip(&mut slopes);
+            for (l, ((sum, share), slope)) in pixels.enumerate() {
                 let z = begin + l as f32;
                 let (enters, enter_slope) = ramp(z + half_width);
                 let (leaves, leave_slope) = ramp(z - half_width);
-                let sum = weight * (enters - leaves);
-                out[0][l] += sum;
-                out[1][l] += weight * (enter_slope - leave_slope);
+                let part = weight * (enters - leaves);
+                *sum += part;
+                *share += weight * (enter_slope - leave_slope);
                 // the disc's area is in the weights, and grows too
-                out[2][l] += growth * (enter_slope + leave_slope) - shrink * sum;
+                *slope += growth * (enter_slope + leave_slope) - shrink * part;
             }
         }
-        out
+        [sums, shares, slopes]
     }
 
     #[inline(always)]

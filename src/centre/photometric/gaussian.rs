@@ -148,13 +148,12 @@ impl Kernel for Gaussian {
     fn all(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> [Lanes; 3] {
         let across = &self.across[row.2 + vector - self.reaches[j].1.first];
         let (share, change) = (row.0, row.1);
-        let mut out = [[0.0; LANES]; 3];
-        for l in 0..LANES {
-            out[0][l] = share * across.sum[l];
-            out[1][l] = share * across.share[l];
-            out[2][l] = change * across.sum[l] + share * across.sum_by_sigma[l];
+        let sum = across.sum.map(|sum| share * sum);
+        let mut by_sigma = across.sum_by_sigma.map(|slope| share * slope);
+        for (slope, sum) in by_sigma.iter_mut().zip(&across.sum) {
+            *slope += change * sum;
         }
-        out
+        [sum, across.share.map(|pixel| share * pixel), by_sigma]
     }
 
     #[inline(always)]

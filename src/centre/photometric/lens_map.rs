@@ -159,9 +159,9 @@ impl LensMap {
             Vector2::new(r2 + 2.0 * x * x, 2.0 * x * y),
             u * (r2 * r2 * r2),
         ];
-        for k in 0..self.free {
-            out.fixed_view_mut::<2, 1>(0, 8 + k)
-                .copy_from(&(focal * by_lens[k]));
+        for (k, column) in by_lens.iter().enumerate().take(self.free) {
+            let mut place = out.fixed_view_mut::<2, 1>(0, 8 + k);
+            place.copy_from(&(focal * column));
         }
         Some(out)
     }

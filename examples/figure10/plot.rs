@@ -134,8 +134,11 @@ fn line(out: &mut String, points: &[(f64, f64)], colour: &str, style: &str) {
     );
 }
 
+/// A line's last point (k and error, px), its name and its colour.
+type LineEnd<'a> = (Option<(f64, f64)>, String, &'a str);
+
 /// Names at the right of the lines' ends, pushed apart where they would overlap.
-fn label(out: &mut String, labels: Vec<(Option<(f64, f64)>, String, &str)>) {
+fn label(out: &mut String, labels: Vec<LineEnd>) {
     let mut placed: Vec<(f64, f64, String, &str)> = labels
         .into_iter()
         .filter_map(|(end, name, colour)| {

@@ -29,6 +29,8 @@ const CUTS: usize = 4;
 const SIZES: [f64; 6] = [1.12, 1.0, 0.9, 0.8, 0.7, 0.58];
 const BLURS: [f64; 3] = [1.0, 1.35, 1.8];
 const BLURS_OF_SIZE: [f64; 5] = [0.12, 0.2, 0.3, 0.42, 0.56];
+/// Edges are where they seem to be while the blur is less than this fraction of the inner minor semi-axis.
+const SHARP: f64 = 0.16;
 /// So many of the starts are fitted.
 const FITTED: usize = 3;
 
@@ -151,17 +153,21 @@ fn fit_starts(
 /// Starts near an outline, the most promising first, no two of them alike.
 fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingModel> {
     let seen_px = size(&ring.seen.outline);
-    let blurs = BLURS
-        .iter()
-        .map(|factor| factor * ring.sigma_px.max(0.3))
-        .chain(BLURS_OF_SIZE.iter().map(|factor| factor * seen_px));
+    let sharp = ring.sigma_px < SHARP * ring.seen.ratio * ring.seen.outline.minor;
+    let seen_blurs = BLURS.iter().map(|factor| factor * ring.sigma_px.max(0.3));
+    let (sizes, blurs): (&[f64], Vec<f64>) = if sharp {
+        (&SIZES[1..2], seen_blurs.take(2).collect())
+    } else {
+        let of_size = BLURS_OF_SIZE.iter().map(|factor| factor * seen_px);
+        (&SIZES, seen_blurs.chain(of_size).collect())
+    };
     let psf = match ring.psf {
         PsfChoice::Fixed(psf) => psf,
         PsfChoice::Auto => Psf::Gaussian,
     };
     let mut found: Vec<(f64, RingModel)> = Vec::new();
     for sigma_px in blurs {
-        for factor in SIZES {
+        for &factor in sizes {
             let shape = Shape::frontal(&ring.seen.outline).scaled(factor);
             let blur = Blur::of_sigma(psf, sigma_px);
             found.extend(

@@ -5,6 +5,7 @@
 //! skirts of neighbours reach into a ring's window they are part of its model, from the neighbours' own fits, until nothing
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
+use super::around::around;
 use super::blur::Psf;
 use super::choice::PsfChoice;
 use super::fit::{Given, RingFitted};
@@ -19,15 +20,13 @@ use super::psf::Known;
 use super::ring::{RingError, Seen, gate};
 use super::start::{Cut, cut};
 use super::trust::Surroundings;
-use super::window::{Grid, Window};
+use super::window::Window;
 use crate::camera::Camera;
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
 use nalgebra::Point2;
 use rayon::prelude::*;
 
-/// A ring's light is seen as far as this many blur sigmas from its outline.
-const REACH_SIGMAS: f64 = 4.0;
 /// Rounds of fits while neighbours' skirts are still moving.
 const ROUNDS: usize = 3;
 /// A ring whose shape is given has residuals of at most so much of the others' noise.
@@ -225,41 +224,6 @@ fn fit_one(
     if let Ok(fitted) = &ring.fitted {
         ring.model = fitted.model;
     }
-}
-
-/// The coverages of a window by the rings around one of them; `None` where none is in reach.
-pub(super) fn around(
-    grid: &Grid,
-    ratio: f64,
-    (own, models): (usize, &[RingModel]),
-    room: &mut Workspace,
-) -> Option<[Vec<f32>; 2]> {
-    let size = grid.stride() * grid.height;
-    let mut planes = None;
-    for (i, model) in models.iter().enumerate() {
-        if i != own && reaches(model, grid) {
-            let planes = planes.get_or_insert_with(|| [vec![0.0; size], vec![0.0; size]]);
-            room.add_coverage(planes, grid, model, ratio);
-        }
-    }
-    planes
-}
-
-/// Whether a ring's light falls into a window.
-fn reaches(model: &RingModel, grid: &Grid) -> bool {
-    let [xx, xy, yy] = model.shape.affine;
-    let determinant = xx * yy - xy * xy;
-    let reach = REACH_SIGMAS * model.blur.sigma_px() + 1.0;
-    let (half_x, half_y) = (
-        (yy / determinant).max(0.0).sqrt() + reach,
-        (xx / determinant).max(0.0).sqrt() + reach,
-    );
-    let centre = model.shape.centre;
-    let (right, bottom) = (grid.x(grid.width), grid.y(grid.height));
-    centre.x + half_x > grid.left_px
-        && centre.x - half_x < right
-        && centre.y + half_y > grid.top_px
-        && centre.y - half_y < bottom
 }
 
 /// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map

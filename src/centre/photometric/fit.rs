@@ -24,7 +24,7 @@ const SHORT_STEP: f64 = 0.25;
 const SLOW: f64 = 0.1;
 /// Keeps the blur (its square, px^2) determined whatever the pixels say; as much as a measurement of 300 px^2 uncertainty at
 /// 1 % of noise.
-const BLUR_PRIOR: f64 = 1e-9;
+pub(super) const BLUR_PRIOR: f64 = 1e-9;
 
 /// The parameters that a shape without a place has: affine and perspective.
 const FIRST_GIVEN: usize = 2;
@@ -314,33 +314,8 @@ fn moved(parameters: &Vector, step: &Vector) -> Vector {
     moved
 }
 
-/// The least covariance (px^2) any unbiased estimator of a ring's centre can have on a window of this grid, for pixel noise of
-/// this standard deviation: the Cramer-Rao bound with every parameter of the model unknown. With `perspective_known` the
-/// perspective is given, as a board gives it. `None` where the shape is no ring or the pixels determine none.
-pub fn cramer_rao_bound(
-    window: &Window,
-    model: &RingModel,
-    ratio: f64,
-    noise: f64,
-    perspective_known: bool,
-) -> Option<Matrix2<f64>> {
-    let problem = Problem {
-        window,
-        ratio,
-        around: None,
-        noise,
-    };
-    let mut matrix = Workspace::default().normal(&problem, model)?.matrix;
-    matrix[(BLUR, BLUR)] += BLUR_PRIOR;
-    if perspective_known {
-        (SHAPE_PARAMETERS - 2..SHAPE_PARAMETERS).for_each(|k| freeze(&mut matrix, k));
-    }
-    let inverse = inverse_of(&matrix)?;
-    Some(Matrix2::from_fn(|i, j| inverse[(i, j)] * noise * noise))
-}
-
 /// Takes a parameter out of the normal equations.
-fn freeze(matrix: &mut Matrix, k: usize) {
+pub(super) fn freeze(matrix: &mut Matrix, k: usize) {
     matrix.fill_row(k, 0.0);
     matrix.fill_column(k, 0.0);
     matrix[(k, k)] = 1.0;
@@ -355,7 +330,7 @@ fn scaled_by(matrix: &Matrix, scales: &Vector) -> Matrix {
     Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j])
 }
 
-fn inverse_of(matrix: &Matrix) -> Option<Matrix> {
+pub(super) fn inverse_of(matrix: &Matrix) -> Option<Matrix> {
     let scales = scales_of(matrix);
     let inverse = scaled_by(matrix, &scales).cholesky()?.inverse();
     Some(scaled_by(&inverse, &scales))

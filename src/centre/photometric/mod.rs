@@ -7,14 +7,18 @@
 //!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`) and their sums (`gram`)
 //!                      model = levels x coverage x shading
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
-//!         -> law       the rings of a board share their perspective
+//! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
+//!                      `trust`, and the perspective they share (`law`, `lens_map`)
+//! kept     -> refit    the second pass: rings that a view kept, their shapes known
 //! ```
 //!
 //! No construction on edges can be right under blur: an edge is displaced by the neighbouring edge and by its own
-//! curvature. The model knows both. It is fitted to the raw pixels of the frame, binned by half the blur at most.
+//! curvature. The model knows both. It is fitted to the raw pixels of the frame, binned as far as the blur allows.
 
+mod around;
 mod blur;
 mod board;
+mod bound;
 mod boundary;
 mod censored;
 mod choice;
@@ -43,8 +47,9 @@ mod window;
 
 pub use blur::{Blur, Psf};
 pub use board::{BoardMeasured, BoardPlace, BoardStart, measure_board};
+pub use bound::cramer_rao_bound;
 pub use choice::PsfChoice;
-pub use fit::{FitError, Given, RingFitted, ShapeCovariance, cramer_rao_bound, fit};
+pub use fit::{FitError, Given, RingFitted, ShapeCovariance, fit};
 pub use gamma::estimate_gamma;
 pub use kept::{KeptRing, KeptWindow, RingMeasured};
 pub use law::CentreAndCovariance;

@@ -1,6 +1,6 @@
 //! Rings of a view fitted again, their shapes known from elsewhere.
 
-use super::board::around;
+use super::around::around;
 use super::fit::{Given, RingFitted};
 use super::kept::KeptRing;
 use super::law::{CentreAndCovariance, given_perspective};

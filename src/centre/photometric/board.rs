@@ -190,6 +190,14 @@ fn fit_one(
     };
     let psf = ring.model.blur.psf;
     let mut fitted = known.fit_with(&ring.model, psf, room);
+    if fitted.is_err() {
+        // the start was not near after all
+        let carefully = Known {
+            given: Given::Nothing,
+            ..known
+        };
+        fitted = carefully.fit_with(&ring.model, psf, room);
+    }
     if let Ok(first) = &fitted
         && let Some(surroundings) = Surroundings::of(first, &known.window.grid)
     {

@@ -9,8 +9,8 @@ use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
-/// Steps at most, accepted or not.
-const STEPS: usize = 60;
+/// Steps at most, accepted or not. Where blur and size can hardly be told apart a fit creeps along a valley.
+const STEPS: usize = 250;
 /// The last step is one of less than this many standard deviations squared: its own error is far less.
 const LAST_STEP: f64 = 0.05;
 /// The model's own arithmetic is no better than this, (light at full scale 1)^2.

@@ -49,22 +49,13 @@ pub(super) fn measure(
     let mut fit = None;
     for _ in 0..ROUNDS {
         let mut edges = edges_of(frame, &ellipses, sign, LevelRule::Extrema)?;
-        let inner = fit_ellipse(&edges.inner)?;
-        let outer = fit_ellipse(&edges.outer)?;
-        ellipses = RingEllipses {
-            inner: inner.ellipse,
-            outer: outer.ellipse,
-        };
-        let width = outer.ellipse.minor - inner.ellipse.minor;
-        let clean = is_clean(&inner, width) && is_clean(&outer, width);
-        if !(clean && looks_concentric(&ellipses, ratio, RATIO_SLACK)) {
-            return None;
-        }
+        let stray_px;
+        (ellipses, stray_px) = through(&edges, ratio)?;
         fit = Some(RingFit {
-            outer: outer.ellipse,
-            inner: Some(inner.ellipse),
+            outer: ellipses.outer,
+            inner: Some(ellipses.inner),
             blur_sigma_px: median(&mut edges.blur_sigma_px),
-            stray_px: inner.scale_px.max(outer.scale_px),
+            stray_px,
             contrast: edges.contrast,
         });
     }
@@ -117,20 +108,27 @@ fn at_print_levels(frame: &Frame, ring: &RingFit, sign: f64, ratio: f64) -> Opti
         outer: ring.outer,
     };
     let edges = edges_of(frame, &ellipses, sign, LevelRule::Print)?;
+    let (moved, stray_px) = through(&edges, ratio)?;
+    Some(RingFit {
+        outer: moved.outer,
+        inner: Some(moved.inner),
+        stray_px,
+        ..*ring
+    })
+}
+
+/// The ellipses through both edges and how far these stray from them, px; `None` where they are none of one ring.
+fn through(edges: &RingEdges, ratio: f64) -> Option<(RingEllipses, f64)> {
     let inner = fit_ellipse(&edges.inner)?;
     let outer = fit_ellipse(&edges.outer)?;
-    let width = outer.ellipse.minor - inner.ellipse.minor;
-    let moved = RingEllipses {
+    let ellipses = RingEllipses {
         inner: inner.ellipse,
         outer: outer.ellipse,
     };
+    let width = outer.ellipse.minor - inner.ellipse.minor;
     let clean = is_clean(&inner, width) && is_clean(&outer, width);
-    (clean && looks_concentric(&moved, ratio, RATIO_SLACK)).then_some(RingFit {
-        outer: outer.ellipse,
-        inner: Some(inner.ellipse),
-        stray_px: inner.scale_px.max(outer.scale_px),
-        ..*ring
-    })
+    (clean && looks_concentric(&ellipses, ratio, RATIO_SLACK))
+        .then(|| (ellipses, inner.scale_px.max(outer.scale_px)))
 }
 
 fn edges_of(frame: &Frame, rough: &RingEllipses, sign: f64, rule: LevelRule) -> Option<RingEdges> {

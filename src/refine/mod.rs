@@ -46,25 +46,22 @@ pub fn refine(board: &Board, views: &[View], calibration: &Calibration) -> Vec<V
 }
 
 fn refine_view(board: &Board, view: &View, camera: &Camera, pose: &Pose) -> View {
-    let rings: Vec<KnownRing> = view
+    let (places, rings): (Vec<usize>, Vec<KnownRing>) = view
         .rings
         .iter()
-        .filter_map(|ring| {
+        .enumerate()
+        .filter_map(|(place, ring)| {
             let shape = ring_shape(board, (ring.row, ring.column), camera, pose)?;
             let kept = ring.kept.as_deref()?;
-            Some(KnownRing { kept, shape })
+            Some((place, KnownRing { kept, shape }))
         })
-        .collect();
-    let mut again = refit(&rings, board.radius_ratio()).into_iter();
+        .unzip();
     let mut refined = view.clone();
-    for ring in &mut refined.rings {
-        let known = ring_shape(board, (ring.row, ring.column), camera, pose);
-        if ring.kept.is_none() || known.is_none() {
-            continue;
-        }
-        if let Some(Some((point, covariance))) = again.next() {
-            ring.centre.point = point;
-            ring.centre.covariance = Some(covariance);
+    for (place, again) in places.into_iter().zip(refit(&rings, board.radius_ratio())) {
+        if let Some((point, covariance)) = again {
+            let centre = &mut refined.rings[place].centre;
+            centre.point = point;
+            centre.covariance = Some(covariance);
         }
     }
     refined

@@ -8,7 +8,7 @@
 use super::around::around;
 use super::blur::Psf;
 use super::choice::PsfChoice;
-use super::fit::{Given, RingFitted};
+use super::fit::{Given, Known, RingFitted};
 use super::jury::{Verdict, verdict};
 use super::kept::{KeptRing, KeptWindow, RingMeasured};
 use super::law::share_perspective;
@@ -16,7 +16,6 @@ use super::lens_map::{LensMap, blank};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
-use super::psf::Known;
 use super::ring::{RingError, Seen, gate};
 use super::start::{Cut, cut};
 use super::trust::Surroundings;
@@ -65,6 +64,15 @@ pub struct BoardStart<'a> {
 }
 
 impl BoardStart<'_> {
+    /// The board's plane through the outlines seen; `None` where they determine none.
+    pub(super) fn view(&self) -> Option<PlaneView> {
+        let seen = self.places.iter();
+        let pairs: Vec<_> = seen
+            .map(|place| (place.plane_m, place.outline.centre))
+            .collect();
+        PlaneView::through(&pairs)
+    }
+
     pub(super) fn seen(&self, place: &BoardPlace) -> Seen {
         Seen {
             outline: place.outline,
@@ -85,12 +93,7 @@ pub struct BoardMeasured {
 
 /// Measures the rings of a board.
 pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
-    let pairs: Vec<_> = board
-        .places
-        .iter()
-        .map(|place| (place.plane_m, place.outline.centre))
-        .collect();
-    let view = PlaneView::through(&pairs);
+    let view = board.view();
     let verdict = verdict(frame, board, view.as_ref());
     let mut rings: Vec<Under> = board
         .places

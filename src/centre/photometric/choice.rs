@@ -26,8 +26,7 @@ impl PsfChoice {
     pub fn name(self) -> &'static str {
         match self {
             Self::Auto => "auto",
-            Self::Fixed(Psf::Gaussian) => "gaussian",
-            Self::Fixed(Psf::Disc) => "disc",
+            Self::Fixed(psf) => psf.name(),
         }
     }
 }

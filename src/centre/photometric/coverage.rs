@@ -73,36 +73,33 @@ impl Coverage {
         };
         for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
             let contrast = contrasts.map(|both| both[circle] as f32);
+            let (nodes, planes) = (
+                &mut self.nodes,
+                (&mut self.circles[circle], &mut self.changes),
+            );
+            let circle = (shape, radius);
             match psf {
                 Psf::Gaussian => {
-                    let spacing = Gaussian::spacing(kernel_size);
-                    trace(&mut self.nodes, grid, shape, radius, spacing)?;
-                    self.gaussian.prepare(grid, &self.nodes, kernel_size);
-                    let nodes = &self.nodes;
-                    let kernel = &self.gaussian;
-                    lay(
-                        kernel,
+                    cover(
+                        &mut self.gaussian,
+                        kernel_size,
                         nodes,
                         grid,
-                        &mut self.circles[circle],
-                        &mut self.changes,
+                        circle,
+                        planes,
                         contrast,
-                    );
+                    )?;
                 }
                 Psf::Disc => {
-                    let spacing = Disc::spacing(kernel_size);
-                    trace(&mut self.nodes, grid, shape, radius, spacing)?;
-                    self.disc.prepare(grid, &self.nodes, kernel_size);
-                    let nodes = &self.nodes;
-                    let kernel = &self.disc;
-                    lay(
-                        kernel,
+                    cover(
+                        &mut self.disc,
+                        kernel_size,
                         nodes,
                         grid,
-                        &mut self.circles[circle],
-                        &mut self.changes,
+                        circle,
+                        planes,
                         contrast,
-                    );
+                    )?;
                 }
             }
         }
@@ -118,6 +115,12 @@ impl Coverage {
 pub(super) trait Kernel {
     /// One row of a node's stamp.
     type Row: Copy;
+
+    /// How close the nodes of an outline must be for a kernel of this size, both in pixels of the grid.
+    fn spacing(size: f64) -> f64;
+
+    /// Takes its size (pixels of the grid) and computes what the stamps of these nodes have in common.
+    fn prepare(&mut self, grid: &Grid, nodes: &[Node], size: f64);
 
     /// The row of node `j`'s stamp in row `i` of the window, and the vectors of pixels it touches; `None` where it does not reach.
     fn row(&self, node: &Node, j: usize, i: usize) -> Option<(Self::Row, Reach)>;
@@ -149,6 +152,23 @@ pub(super) fn vectors_within(x: f32, reach: f32, vectors: usize) -> Reach {
         first,
         past: past.div_ceil(LANES).max(first),
     }
+}
+
+/// Adds the coverage by one circle of a shape to the first of the planes, and its changes to the others.
+#[inline(always)]
+fn cover<K: Kernel>(
+    kernel: &mut K,
+    size: f64,
+    nodes: &mut Vec<Node>,
+    grid: &Grid,
+    (shape, radius): (&Shape, f64),
+    (values, changes): (&mut Plane, &mut [Plane; COVERAGE_PARAMETERS]),
+    contrast: Option<f32>,
+) -> Option<()> {
+    trace(nodes, grid, shape, radius, K::spacing(size))?;
+    kernel.prepare(grid, nodes, size);
+    lay(kernel, nodes, grid, values, changes, contrast);
+    Some(())
 }
 
 /// A stamp's row with what it is multiplied with.

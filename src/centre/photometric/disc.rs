@@ -37,18 +37,6 @@ pub(super) struct Disc {
 type Chord = (f32, f32);
 
 impl Disc {
-    /// How close the nodes of an outline must be, pixels of the grid.
-    pub(super) fn spacing(radius: f64) -> f64 {
-        SPACING.0 + (SPACING.1 - SPACING.0) * (radius / LARGE).min(1.0)
-    }
-
-    /// Takes the disc's radius, in pixels of the grid.
-    #[inline(always)]
-    pub(super) fn prepare(&mut self, grid: &Grid, _: &[Node], radius: f64) {
-        self.radius = radius as f32;
-        self.vectors = grid.stride() / LANES;
-    }
-
     /// The chords that stand for a pixel's height about `y` from the disc's middle.
     #[inline(always)]
     fn chords(&self, y: f32) -> [Chord; 3] {
@@ -82,6 +70,16 @@ impl Disc {
 
 impl Kernel for Disc {
     type Row = [Chord; 3];
+
+    fn spacing(radius: f64) -> f64 {
+        SPACING.0 + (SPACING.1 - SPACING.0) * (radius / LARGE).min(1.0)
+    }
+
+    #[inline(always)]
+    fn prepare(&mut self, grid: &Grid, _: &[Node], radius: f64) {
+        self.radius = radius as f32;
+        self.vectors = grid.stride() / LANES;
+    }
 
     #[inline(always)]
     fn row(&self, node: &Node, _: usize, i: usize) -> Option<(Self::Row, Reach)> {

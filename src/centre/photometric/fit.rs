@@ -95,23 +95,29 @@ pub enum Given {
     Shape,
 }
 
-/// Fits a ring from a start; `ratio` is the board's inner over outer radius, `around` holds the coverages of the rings around
-/// it.
+/// A window's ring as it is known before the fit.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// The pixels.
+    pub window: &'a Window,
+    /// Inner over outer radius on the board.
+    pub ratio: f64,
+    /// Coverages by the outer and inner circles of the rings around, in the window's padded rows.
+    pub around: Option<&'a [Vec<f32>; 2]>,
+    /// What is known of the ring before.
+    pub given: Given,
+}
+
+/// Fits a ring from a start.
 ///
 /// # Errors
 /// [`FitError`] where the pixels are too few, determine no ring or the fit does not settle.
-pub fn fit(
-    window: &Window,
-    start: &RingModel,
-    ratio: f64,
-    around: Option<&[Vec<f32>; 2]>,
-    given: Given,
-    room: &mut Workspace,
-) -> Result<RingFitted, FitError> {
+pub fn fit(known: &Known, start: &RingModel, room: &mut Workspace) -> Result<RingFitted, FitError> {
+    let Known { window, given, .. } = *known;
     let mut problem = Problem {
         window,
-        ratio,
-        around,
+        ratio: known.ratio,
+        around: known.around,
         noise: 0.0,
     };
     let first = Fit::run(&problem, start, given, room)?;

@@ -5,10 +5,9 @@
 //! their levels and say nothing of gamma.
 
 use super::board::BoardStart;
+use super::fit::Known;
 use super::jury::{hear, jurors};
-use super::plane::PlaneView;
 use super::problem::Workspace;
-use super::psf::Known;
 use super::response::ResponseGamma;
 use crate::frame::{Frame, Linear, Pixels};
 use rayon::prelude::*;
@@ -68,12 +67,7 @@ fn cost(frame: &Frame, board: &BoardStart, gamma: f64) -> Option<f64> {
         linear: &linear,
         ..*board
     };
-    let pairs: Vec<_> = board
-        .places
-        .iter()
-        .map(|place| (place.plane_m, place.outline.centre))
-        .collect();
-    let view = PlaneView::through(&pairs);
+    let view = board.view();
     let costs: Vec<Option<f64>> = jurors(board.places)
         .par_iter()
         .map_init(Workspace::default, |room, &i| {

@@ -36,41 +36,6 @@ struct Across {
 }
 
 impl Gaussian {
-    /// How close the nodes of an outline must be, pixels of the grid.
-    pub(super) fn spacing(sigma: f64) -> f64 {
-        SPACING * sigma.max(LEAST_SIGMA)
-    }
-
-    /// Computes rows and columns of all nodes; `sigma` in pixels of the grid.
-    #[inline(always)]
-    pub(super) fn prepare(&mut self, grid: &Grid, nodes: &[Node], sigma: f64) {
-        let sigma = sigma.max(LEAST_SIGMA) as f32;
-        let scale = 1.0 / sigma;
-        let reach = REACH * sigma + 0.5;
-        let vectors = grid.stride() / LANES;
-        let height = grid.height as f32;
-        self.across.clear();
-        self.reaches.clear();
-        self.down.clear();
-        self.rows.clear();
-        for node in nodes {
-            let first_row = (node.y - reach).ceil().clamp(0.0, height) as usize;
-            let past_row = ((node.y + reach).floor() + 1.0).clamp(0.0, height) as usize;
-            let past_row = past_row.max(first_row);
-            let touched = vectors_within(node.x, reach, vectors);
-            self.rows.push((self.down.len(), first_row, past_row));
-            self.reaches.push((self.across.len(), touched));
-            if first_row == past_row {
-                continue;
-            }
-            self.down_of(node.y, (first_row, past_row), scale);
-            for vector in touched.first..touched.past {
-                let begin = ((vector * LANES) as f32 - 0.5 - node.x) * scale;
-                self.across.push(Across::new(begin, scale, sigma));
-            }
-        }
-    }
-
     #[inline(always)]
     fn down_of(&mut self, y: f32, (first, past): (usize, usize), scale: f32) {
         let mut at = first;
@@ -126,6 +91,39 @@ impl Across {
 impl Kernel for Gaussian {
     /// Share of the kernel in the row, its change by sigma, and where the node's vectors begin.
     type Row = (f32, f32, usize);
+
+    fn spacing(sigma: f64) -> f64 {
+        SPACING * sigma.max(LEAST_SIGMA)
+    }
+
+    #[inline(always)]
+    fn prepare(&mut self, grid: &Grid, nodes: &[Node], sigma: f64) {
+        let sigma = sigma.max(LEAST_SIGMA) as f32;
+        let scale = 1.0 / sigma;
+        let reach = REACH * sigma + 0.5;
+        let vectors = grid.stride() / LANES;
+        let height = grid.height as f32;
+        self.across.clear();
+        self.reaches.clear();
+        self.down.clear();
+        self.rows.clear();
+        for node in nodes {
+            let first_row = (node.y - reach).ceil().clamp(0.0, height) as usize;
+            let past_row = ((node.y + reach).floor() + 1.0).clamp(0.0, height) as usize;
+            let past_row = past_row.max(first_row);
+            let touched = vectors_within(node.x, reach, vectors);
+            self.rows.push((self.down.len(), first_row, past_row));
+            self.reaches.push((self.across.len(), touched));
+            if first_row == past_row {
+                continue;
+            }
+            self.down_of(node.y, (first_row, past_row), scale);
+            for vector in touched.first..touched.past {
+                let begin = ((vector * LANES) as f32 - 0.5 - node.x) * scale;
+                self.across.push(Across::new(begin, scale, sigma));
+            }
+        }
+    }
 
     #[inline(always)]
     fn row(&self, _: &Node, j: usize, i: usize) -> Option<(Self::Row, Reach)> {

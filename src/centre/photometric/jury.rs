@@ -4,11 +4,11 @@
 use super::blur::{Blur, Psf};
 use super::board::{BoardPlace, BoardStart};
 use super::choice::PsfChoice;
-use super::fit::{Given, RingFitted};
+use super::fit::{Given, Known, RingFitted};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
-use super::psf::{Both, Known};
+use super::psf::Both;
 use super::ring::gate;
 use super::shape::Shape;
 use super::start::{Cut, cut, levels};

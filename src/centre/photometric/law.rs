@@ -23,7 +23,7 @@ const OUTLIER: f64 = 5.0;
 const ROUNDS: usize = 2;
 
 /// A perspective and its covariance, px^-1 and px^-2.
-type Perspective = (Vector2<f64>, Matrix2<f64>);
+pub(super) type Perspective = (Vector2<f64>, Matrix2<f64>);
 
 /// A centre and its covariance, px and px^2.
 pub type CentreAndCovariance = (Point2<f64>, Matrix2<f64>);
@@ -167,23 +167,14 @@ impl Correction {
         let board = known + Vector2::new(correction[0], correction[1]);
         let uncertain = &row * &self.covariance * row.transpose();
         let uncertain = known_to + Matrix2::from_fn(|i, j| uncertain[(i, j)]);
-        let Some((at, given)) = given_perspective(ring, &board) else {
-            return (centre, own);
-        };
-        // what the board does not know of the perspective either
-        let cross = ring.covariance.fixed_view::<2, 2>(0, 5).into_owned();
-        let gain = cross
-            * perspective_covariance(ring)
-                .try_inverse()
-                .unwrap_or_default();
-        (at, given + gain * uncertain * gain.transpose())
+        given_perspective(ring, &(board, uncertain)).unwrap_or((centre, own))
     }
 }
 
 /// A ring's centre given that its perspective is this one; `None` where its own is too far from that or has no covariance.
 pub(super) fn given_perspective(
     ring: &RingFitted,
-    perspective: &Vector2<f64>,
+    (perspective, uncertain): &Perspective,
 ) -> Option<CentreAndCovariance> {
     let inverse = perspective_covariance(ring).try_inverse()?;
     let off = perspective - ring.model.shape.perspective;
@@ -192,7 +183,8 @@ pub(super) fn given_perspective(
     }
     let cross = ring.covariance.fixed_view::<2, 2>(0, 5).into_owned();
     let gain = cross * inverse;
-    let covariance = ring.centre_covariance() - gain * cross.transpose();
+    let known = ring.centre_covariance() - gain * cross.transpose();
+    let covariance = known + gain * uncertain * gain.transpose();
     Some((ring.model.shape.centre + gain * off, covariance))
 }
 

@@ -2,10 +2,10 @@
 
 use super::blur::Blur;
 use super::censored::Censored;
-use super::coverage::Coverage;
+use super::coverage::{Contrasts, Coverage, Plane};
+use super::fit::Known;
 use super::gram::{Gradient, Gram};
 use super::model::{Matrix, RingModel, Row, Vector};
-use super::psf::Known;
 use super::shape::Shape;
 use super::window::{Grid, Window};
 use pulp::Arch;
@@ -64,19 +64,9 @@ impl Workspace {
         self.dispatch(
             #[inline(always)]
             |room| {
-                let grid = &problem.window.grid;
-                let contrasts = Some(model.contrasts());
-                let (shape, blur) = (&model.shape, &model.blur);
-                let (ratio, around) = (problem.ratio, problem.around);
-                room.coverage
-                    .fill(grid, (shape, blur), ratio, contrasts, around)?;
-                room.residuals.resize(grid.stride() * grid.height, 0.0);
                 let mut gram = Gram::new();
-                let mut beyond = 0.0;
-                for row in 0..grid.height {
-                    beyond += room.fill_row(problem, model, row);
-                    gram.add(&room.row);
-                }
+                let contrasts = Some(model.contrasts());
+                let beyond = room.for_each_row(problem, model, contrasts, |row| gram.add(row))?;
                 let (matrix, gradient, squares) = gram.finish();
                 let squares = squares + beyond;
                 let finite = squares.is_finite() && matrix.iter().all(|v| v.is_finite());
@@ -98,23 +88,37 @@ impl Workspace {
         self.dispatch(
             #[inline(always)]
             |room| {
-                let grid = &problem.window.grid;
-                let (shape, blur) = (&model.shape, &model.blur);
-                let (ratio, around) = (problem.ratio, problem.around);
-                room.coverage
-                    .fill(grid, (shape, blur), ratio, None, around)?;
-                room.residuals.resize(grid.stride() * grid.height, 0.0);
                 let mut sums = Gradient::new();
-                let mut beyond = 0.0;
-                for row in 0..grid.height {
-                    beyond += room.fill_row(problem, model, row);
-                    sums.add(&room.row);
-                }
+                let beyond = room.for_each_row(problem, model, None, |row| sums.add(row))?;
                 let (gradient, squares) = sums.finish();
                 let squares = squares + beyond;
                 squares.is_finite().then_some((gradient, squares))
             },
         )
+    }
+
+    /// Computes the coverages, with their changes for these contrasts, and calls `visit` with every row's derivatives and residuals.
+    /// Returns what censored pixels add to the sum of squares; `None` where the shape is no ring.
+    #[inline(always)]
+    fn for_each_row(
+        &mut self,
+        problem: &Problem,
+        model: &RingModel,
+        contrasts: Option<Contrasts>,
+        mut visit: impl FnMut(&Row),
+    ) -> Option<f64> {
+        let grid = &problem.window.grid;
+        let (shape, blur) = (&model.shape, &model.blur);
+        let (ratio, around) = (problem.ratio, problem.around);
+        self.coverage
+            .fill(grid, (shape, blur), ratio, contrasts, around)?;
+        self.residuals.resize(grid.stride() * grid.height, 0.0);
+        let mut beyond = 0.0;
+        for row in 0..grid.height {
+            beyond += self.fill_row(problem, model, row);
+            visit(&self.row);
+        }
+        Some(beyond)
     }
 
     /// Coverages of a window by both circles of a ring, in padded rows; `None` where they are no ellipses.
@@ -165,16 +169,9 @@ impl Workspace {
                 if filled.is_none() {
                     return;
                 }
-                let [outer, inner] = &room.coverage.circles;
+                let circles = &room.coverage.circles;
                 for (row, out) in room.residuals.chunks_exact_mut(stride).enumerate() {
-                    let span = row * stride..(row + 1) * stride;
-                    let circles = [&outer[span.clone()], &inner[span.clone()]];
-                    model.light(grid, row, circles, out);
-                    let values = &known.window.values[span.clone()];
-                    let weights = &known.window.weights[span];
-                    for i in 0..stride {
-                        out[i] = weights[i] * (values[i] - out[i]);
-                    }
+                    subtract(model, known.window, circles, row, out);
                 }
             },
         );
@@ -192,19 +189,33 @@ impl Workspace {
         let span = row * stride..(row + 1) * stride;
         let weights = &window.weights[span.clone()];
         out.fill(model, grid, row, coverage, weights);
-        let [outer, inner] = &coverage.circles;
-        let circles = [&outer[span.clone()], &inner[span.clone()]];
         let residuals = out.residuals_mut();
-        model.light(grid, row, circles, residuals);
-        let values = &window.values[span.clone()];
-        for i in 0..stride {
-            residuals[i] = weights[i] * (values[i] - residuals[i]);
-        }
+        subtract(model, window, &coverage.circles, row, residuals);
         self.residuals[span.clone()].copy_from_slice(residuals);
         if window.censored.is_empty() {
             return 0.0;
         }
         Censored::new(problem, model, coverage).patch(span, out)
+    }
+}
+
+/// Residuals of one row of a window: what it shows less the model, where it counts.
+#[inline(always)]
+fn subtract(
+    model: &RingModel,
+    window: &Window,
+    [outer, inner]: &[Plane; 2],
+    row: usize,
+    out: &mut [f32],
+) {
+    let stride = window.grid.stride();
+    let span = row * stride..(row + 1) * stride;
+    let circles = [&outer[span.clone()], &inner[span.clone()]];
+    model.light(&window.grid, row, circles, out);
+    let values = &window.values[span.clone()];
+    let weights = &window.weights[span];
+    for ((out, value), weight) in out.iter_mut().zip(values).zip(weights) {
+        *out = weight * (value - *out);
     }
 }
 

@@ -6,11 +6,10 @@
 
 use super::blur::{Blur, Psf};
 use super::choice::PsfChoice;
-use super::fit::{FitError, Given, RingFitted, fit};
+use super::fit::{FitError, Known, RingFitted, fit};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::start::levels;
-use super::window::Window;
 
 /// The disc is tried from these radii, in standard deviations of the fitted Gaussian. Its own is 2; larger discs look sharper
 /// to a Gaussian, because they invert the inner circle's contrast.
@@ -27,19 +26,6 @@ pub struct Both {
     pub disc: Result<RingFitted, FitError>,
 }
 
-/// A window's ring as it is known before the fit.
-#[derive(Debug, Clone, Copy)]
-pub struct Known<'a> {
-    /// The pixels.
-    pub window: &'a Window,
-    /// Inner over outer radius on the board.
-    pub ratio: f64,
-    /// Coverages of the rings around, see [`fit`].
-    pub around: Option<&'a [Vec<f32>; 2]>,
-    /// What is known of the ring before.
-    pub given: Given,
-}
-
 impl Known<'_> {
     /// Fits it with one shape of blur; the start's own blur says where to begin, whatever its shape.
     ///
@@ -52,27 +38,13 @@ impl Known<'_> {
         room: &mut Workspace,
     ) -> Result<RingFitted, FitError> {
         if start.blur.psf == psf {
-            return fit(
-                self.window,
-                start,
-                self.ratio,
-                self.around,
-                self.given,
-                room,
-            );
+            return fit(self, start, room);
         }
         match psf {
             Psf::Gaussian => {
                 let blur = Blur::gaussian(start.blur.sigma_px());
                 let begin = RingModel { blur, ..*start };
-                fit(
-                    self.window,
-                    &begin,
-                    self.ratio,
-                    self.around,
-                    self.given,
-                    room,
-                )
+                fit(self, &begin, room)
             }
             Psf::Disc => self.fit_disc(start, room),
         }
@@ -125,14 +97,7 @@ impl Known<'_> {
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .ok_or(FitError::Undetermined)?;
-        fit(
-            self.window,
-            &begin,
-            self.ratio,
-            self.around,
-            self.given,
-            room,
-        )
+        fit(self, &begin, room)
     }
 }
 

@@ -1,13 +1,13 @@
 //! Rings of a view fitted again, their shapes known from elsewhere.
 
 use super::around::around;
-use super::fit::{Given, RingFitted};
+use super::fit::{Given, Known, RingFitted};
 use super::kept::KeptRing;
 use super::law::{CentreAndCovariance, given_perspective};
 use super::model::RingModel;
 use super::problem::Workspace;
-use super::psf::Known;
 use super::shape::Shape;
+use nalgebra::Matrix2;
 use rayon::prelude::*;
 
 /// The known shape may put the ring so many standard deviations from where it was; else it is not believed.
@@ -41,7 +41,7 @@ fn refit_one(
     room: &mut Workspace,
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
-    let linear = given_perspective(fitted, &ring.shape.perspective)?;
+    let linear = given_perspective(fitted, &(ring.shape.perspective, Matrix2::zeros()))?;
     let Some(kept) = &ring.kept.window else {
         return Some(linear);
     };

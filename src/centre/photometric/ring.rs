@@ -2,10 +2,9 @@
 
 use super::blur::{Blur, Psf};
 use super::choice::PsfChoice;
-use super::fit::{FitError, Given, RingFitted};
+use super::fit::{FitError, Given, Known, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
-use super::psf::Known;
 use super::shape::Shape;
 use super::start::{Cut, cut, levels};
 use super::window::Window;

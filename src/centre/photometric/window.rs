@@ -174,9 +174,4 @@ impl Window {
     pub fn count(&self) -> usize {
         self.weights.iter().filter(|&&w| w > 0.0).count()
     }
-
-    /// Light of a pixel.
-    pub fn value(&self, column: usize, row: usize) -> f64 {
-        f64::from(self.values[row * self.grid.stride() + column])
-    }
 }

@@ -98,6 +98,7 @@ impl Place {
             ring: RING,
             inside: PAPER,
             shading: [0.0; 2],
+            sheet: None,
         };
         // a pixel of the window is the mean of many
         let noise = noise / window.grid.pixel_px;

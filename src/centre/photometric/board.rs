@@ -7,19 +7,18 @@
 
 use super::around::around;
 use super::blur::Psf;
+use super::border::mend;
 use super::choice::PsfChoice;
 use super::fit::{Given, Known, RingFitted};
-use super::jury::{Verdict, verdict};
+use super::jury::verdict;
 use super::kept::{KeptRing, KeptWindow, RingMeasured};
-use super::law::share_perspective;
+use super::law::{CentreAndCovariance, share_perspective};
 use super::lens_map::{LensMap, blank};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
-use super::start::{Cut, cut};
-use super::trust::Surroundings;
-use super::window::Window;
+use super::under::Under;
 use crate::camera::Camera;
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
@@ -30,8 +29,6 @@ use rayon::prelude::*;
 const ROUNDS: usize = 3;
 /// A ring whose shape is given has residuals of at most so much of the others' noise.
 const MOST_NOISE: f64 = 1.5;
-/// A ring has settled when it moved by less than this many of its standard deviations.
-const SETTLED: f64 = 0.1;
 
 /// A ring of a board as it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,10 +95,10 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     let mut rings: Vec<Under> = board
         .places
         .par_iter()
-        .map(|place| Under::begin(frame, board, place, view.as_ref(), &verdict))
+        .map(|place| Under::begin(frame, (board, place, view.as_ref()), &verdict))
         .collect();
     for round in 0..ROUNDS {
-        let moved = fit_round(board, &mut rings, round);
+        let moved = fit_round(board, view.as_ref(), &mut rings, round);
         if !moved {
             break;
         }
@@ -109,45 +106,21 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     let camera = board
         .camera
         .unwrap_or_else(|| blank(frame.width(), frame.height()));
+    if let (_, Some(map)) = share(board, &rings, &camera)
+        && mend(frame, board, &mut rings, &map)
+    {
+        fit_round(board, view.as_ref(), &mut rings, ROUNDS);
+    }
     finish(board, verdict.psf, rings, &camera)
 }
 
-/// A ring under measurement.
-#[derive(Debug, Clone)]
-struct Under {
-    window: Option<Window>,
-    model: RingModel,
-    fitted: Result<RingFitted, RingError>,
-    /// Other rings were in reach when it was last fitted.
-    crowded: bool,
-    /// Its shape is not its own but the map's.
-    given: bool,
-}
-
-impl Under {
-    fn begin(
-        frame: &Frame,
-        board: &BoardStart,
-        place: &BoardPlace,
-        view: Option<&PlaneView>,
-        verdict: &Verdict,
-    ) -> Self {
-        let model = verdict.start(board, place, view);
-        let outer = model.shape.ellipse(1.0).unwrap_or(place.outline);
-        let sigma_px = model.blur.sigma_px();
-        let window = cut(frame, &outer, sigma_px, Cut::OF_BOARD, board.linear);
-        Self {
-            window,
-            model,
-            fitted: Err(RingError::Outside),
-            crowded: false,
-            given: false,
-        }
-    }
-}
-
 /// Fits all rings that have neighbours in reach (in the first round all); says whether another round may change anything.
-fn fit_round(board: &BoardStart, rings: &mut [Under], round: usize) -> bool {
+fn fit_round(
+    board: &BoardStart,
+    view: Option<&PlaneView>,
+    rings: &mut [Under],
+    round: usize,
+) -> bool {
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
     let moved = rings.par_iter_mut().zip(board.places).enumerate().map_init(
         Workspace::default,
@@ -155,100 +128,31 @@ fn fit_round(board: &BoardStart, rings: &mut [Under], round: usize) -> bool {
             if round > 0 && !ring.crowded {
                 return false;
             }
-            fit_one(board, &board.seen(place), ring, (i, &models), room);
-            ring.crowded && has_moved(ring, &models[i])
+            ring.fit((board, place, view), (i, &models), room);
+            ring.crowded && ring.has_moved(&models[i])
         },
     );
     moved.reduce(|| false, |a, b| a || b)
 }
 
-fn has_moved(ring: &Under, before: &RingModel) -> bool {
-    ring.fitted.as_ref().is_ok_and(|fitted| {
-        let moved = (fitted.model.shape.centre - before.shape.centre).norm();
-        let size = |model: &RingModel| model.shape.affine[0] + model.shape.affine[2];
-        let grown = 0.5 * (size(&fitted.model) / size(before) - 1.0).abs();
-        let std = fitted.centre_covariance().trace().sqrt();
-        let radius = size(before).max(f64::MIN_POSITIVE).sqrt().recip();
-        moved + grown * radius > SETTLED * std
-    })
-}
-
-fn fit_one(
+/// The centres of the rings that were measured, with the perspective they share, and the map through them.
+fn share(
     board: &BoardStart,
-    seen: &Seen,
-    ring: &mut Under,
-    (own, models): (usize, &[RingModel]),
-    room: &mut Workspace,
-) {
-    let Some(window) = ring.window.as_mut() else {
-        return;
-    };
-    let around = around(&window.grid, board.ratio, (own, models), room);
-    ring.crowded = around.is_some();
-    let mut known = Known {
-        window,
-        ratio: board.ratio,
-        around: around.as_ref(),
-        given: Given::NearStart,
-    };
-    let psf = ring.model.blur.psf;
-    let mut fitted = known.fit_with(&ring.model, psf, room);
-    if fitted.is_err() {
-        // the start was not near after all
-        let carefully = Known {
-            given: Given::Nothing,
-            ..known
-        };
-        fitted = carefully.fit_with(&ring.model, psf, room);
-    }
-    if let Ok(first) = &fitted
-        && let Some(surroundings) = Surroundings::of(first, &known.window.grid)
-    {
-        let judgement = surroundings.judge(known.window, &room.residuals, first);
-        if !judgement.is_clean() {
-            // whatever stands there may have spoilt the fit: ask again without it
-            let mut alone = known.window.clone();
-            surroundings.mask(&mut alone, &judgement.without_suspects());
-            let on_own = Known {
-                window: &alone,
-                ..known
-            };
-            let clean = on_own.fit_with(&first.model, psf, room).unwrap_or(*first);
-            let residuals = room.residuals(&known, &clean.model);
-            let again = surroundings.judge(known.window, residuals, &clean);
-            let trusted = again.verdict();
-            let window = ring.window.as_mut().filter(|_| !again.is_clean());
-            if let Some(window) = window {
-                surroundings.mask(window, &trusted);
-                known = Known {
-                    window,
-                    ratio: board.ratio,
-                    around: around.as_ref(),
-                    given: Given::NearStart,
-                };
-                fitted = known.fit_with(&clean.model, psf, room);
-                fitted = fitted.map(|f| f.widened_by(&clean));
-            }
-        }
-    }
-    ring.fitted = fitted.map_err(RingError::from).and_then(|f| gate(seen, f));
-    if let Ok(fitted) = &ring.fitted {
-        ring.model = fitted.model;
-    }
+    rings: &[Under],
+    camera: &Camera,
+) -> (Vec<CentreAndCovariance>, Option<LensMap>) {
+    let measured = rings.iter().zip(board.places);
+    let (fitted, places): (Vec<RingFitted>, Vec<_>) = measured
+        .filter_map(|(ring, place)| Some((ring.fitted.ok()?, place.plane_m)))
+        .unzip();
+    share_perspective(&fitted, &places, board.outer_radius_m, camera)
 }
 
 /// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
 /// through the others.
 fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) -> BoardMeasured {
-    let fitted: Vec<RingFitted> = rings.iter().filter_map(|r| r.fitted.ok()).collect();
-    let places: Vec<_> = rings
-        .iter()
-        .zip(board.places)
-        .filter(|(ring, _)| ring.fitted.is_ok())
-        .map(|(_, place)| place.plane_m)
-        .collect();
-    let (shared, map) = share_perspective(&fitted, &places, board.outer_radius_m, camera);
-    if let Some(map) = map.filter(|_| places.len() < rings.len()) {
+    let (shared, map) = share(board, &rings, camera);
+    if let Some(map) = map.filter(|_| shared.len() < rings.len()) {
         fit_given(board, &mut rings, &map);
     }
     let mut shared = shared.into_iter();

@@ -5,8 +5,9 @@
 //! that of one pixel times lambda (lambda - a).
 
 use super::coverage::{COVERAGE_PARAMETERS, Coverage};
-use super::model::{PARAMETERS, RingModel, Row};
+use super::model::{BLUR, PARAMETERS, RING_PARAMETERS, RingModel, Row, SHEET};
 use super::problem::Problem;
+use super::sheet::SheetRow;
 use super::window::{End, Grid};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::ops::Range;
@@ -45,22 +46,23 @@ impl<'a> Censored<'a> {
                 End::Top => 1.0,
                 End::Bottom => -1.0,
             };
-            let pixel = self.pixel(at, row, i);
+            // the row's derivatives were filled in a moment ago, and its sheet with them
+            let pixel = self.pixel(at, row, i, &out.sheet);
             let value = f64::from(self.problem.window.values[at]);
             let a = sign * (value - pixel.light) / noise;
             let (log_likelihood, mills) = beyond(a);
             let curvature = (mills * (mills - a)).clamp(1e-12, 1.0).sqrt();
             let residual = sign * noise * mills / curvature;
-            for (k, derivative) in pixel.derivatives.iter().enumerate() {
+            for (k, derivative) in pixel.derivatives[..out.parameters].iter().enumerate() {
                 out.data[k * out.stride + i] = (derivative * curvature) as f32;
             }
-            out.residuals_mut()[i] = residual as f32;
+            out.residuals_mut().0[i] = residual as f32;
             missing -= 2.0 * noise * noise * log_likelihood + residual * residual;
         }
         missing
     }
 
-    fn pixel(&self, at: usize, row: usize, column: usize) -> Pixel {
+    fn pixel(&self, at: usize, row: usize, column: usize, sheet: &SheetRow) -> Pixel {
         let grid: &Grid = &self.problem.window.grid;
         let model = self.model;
         let width = grid.width as f64;
@@ -69,20 +71,32 @@ impl<'a> Censored<'a> {
         let shade = 1.0 + model.shading[0] * u + model.shading[1] * v;
         let [outer, inner] = [0, 1].map(|c: usize| f64::from(self.coverage.circles[c][at]));
         let [dark, light] = model.contrasts();
-        let flat = model.paper + dark * outer + light * inner;
+        let step = model.sheet.map_or(0.0, |end| end.beyond - model.paper);
+        let missing = match model.sheet {
+            Some(_) => f64::from(sheet.missing[column]),
+            None => 0.0,
+        };
+        let flat = model.paper + dark * outer + light * inner + step * missing;
         let mut derivatives = [0.0; PARAMETERS];
         for (k, plane) in self.coverage.changes.iter().enumerate() {
             derivatives[k] = shade * plane.get(at).copied().map_or(0.0, f64::from);
         }
-        derivatives[super::model::BLUR] *= model.by_blur(grid);
+        derivatives[BLUR] *= model.by_blur(grid);
         let rest = [
-            shade * (1.0 - outer),
+            shade * (1.0 - outer - missing),
             shade * (outer - inner),
             shade * inner,
             flat * u,
             flat * v,
         ];
-        derivatives[COVERAGE_PARAMETERS..].copy_from_slice(&rest);
+        derivatives[COVERAGE_PARAMETERS..RING_PARAMETERS].copy_from_slice(&rest);
+        if let Some(end) = &model.sheet {
+            derivatives[BLUR] += shade * step * f64::from(sheet.by_blur[column]);
+            derivatives[SHEET] = shade * missing;
+            for (k, by) in sheet.by_edge[..end.count() - 1].iter().enumerate() {
+                derivatives[SHEET + 1 + k] = shade * step * f64::from(by[column]);
+            }
+        }
         Pixel {
             light: flat * shade,
             derivatives,

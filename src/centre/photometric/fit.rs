@@ -3,9 +3,10 @@
 //! Derivatives cost several times what values cost, and near the end they hardly change. So once a step is short against the
 //! blur, the next ones are made with the derivatives that are there, as long as the steps shrink.
 
-use super::model::{BLUR, Matrix, PARAMETERS, RingModel, Vector};
+use super::model::{BLUR, Matrix, PARAMETERS, RingModel, SHEET, Vector};
 use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
+use super::sheet::EDGE_PARAMETERS;
 use super::window::Window;
 use nalgebra::{Matrix2, SMatrix, SVector};
 
@@ -174,7 +175,8 @@ impl Fit<'_, '_> {
     }
 
     fn variance(&self) -> f64 {
-        self.normal.squares.max(f64::MIN_POSITIVE) / (self.pixels - PARAMETERS) as f64
+        let free = self.pixels - self.start.count();
+        self.normal.squares.max(f64::MIN_POSITIVE) / free as f64
     }
 
     fn descend(&mut self) -> Result<RingFitted, FitError> {
@@ -290,7 +292,9 @@ impl Fit<'_, '_> {
         let perspective = step[5].hypot(step[6]) * size;
         let blur = self.start.with_parameters(&self.parameters).blur.sigma_px();
         let scale = blur + 0.3 * self.problem.window.grid.pixel_px;
+        let sheet = step[SHEET + 1].hypot(step[SHEET + 1 + EDGE_PARAMETERS]);
         let moved = step[0].hypot(step[1])
+            + sheet
             + size * (0.5 * affine + perspective)
             + 0.5 * step[BLUR].abs() / scale;
         moved < SHORT_STEP * scale

@@ -6,7 +6,7 @@
 use super::coverage::LANES;
 use super::model::{Matrix, PARAMETERS, Row, Vector};
 
-/// Columns of a row: the parameters and the residuals.
+/// Columns of a row at most: the parameters and the residuals.
 const COLUMNS: usize = PARAMETERS + 1;
 /// Columns that are multiplied with one another at once.
 const TILE: usize = 4;
@@ -21,6 +21,8 @@ type Lanes = [f32; LANES];
 pub(super) struct Gram {
     tiles: Vec<[[Lanes; TILE]; TILE]>,
     sums: [[f64; COLUMNS]; COLUMNS],
+    /// Columns of the rows that came.
+    columns: usize,
     rows: usize,
 }
 
@@ -29,18 +31,20 @@ impl Gram {
         Self {
             tiles: vec![[[[0.0; LANES]; TILE]; TILE]; TILES * (TILES + 1) / 2],
             sums: [[0.0; COLUMNS]; COLUMNS],
+            columns: 0,
             rows: 0,
         }
     }
 
     #[inline(always)]
     pub(super) fn add(&mut self, row: &Row) {
+        self.columns = row.parameters + 1;
         let column = |k: usize| {
-            let k = k.min(COLUMNS - 1);
+            let k = k.min(row.parameters);
             &row.data[k * row.stride..(k + 1) * row.stride]
         };
         let mut tiles = self.tiles.iter_mut();
-        for a in 0..TILES {
+        for a in 0..self.columns.div_ceil(TILE) {
             for b in 0..=a {
                 let Some(tile) = tiles.next() else { return };
                 add_tile(
@@ -58,13 +62,13 @@ impl Gram {
 
     fn transfer(&mut self) {
         let mut tiles = self.tiles.iter_mut();
-        for a in 0..TILES {
+        for a in 0..self.columns.div_ceil(TILE) {
             for b in 0..=a {
                 let Some(tile) = tiles.next() else { return };
                 for (i, line) in tile.iter_mut().enumerate() {
                     for (j, lanes) in line.iter_mut().enumerate() {
                         let (i, j) = (a * TILE + i, b * TILE + j);
-                        if i < COLUMNS && j < COLUMNS {
+                        if i < self.columns && j < self.columns {
                             self.sums[i][j] += f64::from(lanes.iter().sum::<f32>());
                         }
                         *lanes = [0.0; LANES];
@@ -75,12 +79,18 @@ impl Gram {
         self.rows = 0;
     }
 
-    /// Normal matrix, gradient and sum of squared residuals.
+    /// Normal matrix (one on the diagonal for parameters that the rows do not have), gradient and sum of squared residuals.
     pub(super) fn finish(mut self) -> (Matrix, Vector, f64) {
         self.transfer();
-        let matrix = Matrix::from_fn(|i, j| self.sums[i.max(j)][i.min(j)]);
-        let gradient = Vector::from_fn(|i, _| self.sums[PARAMETERS][i]);
-        (matrix, gradient, self.sums[PARAMETERS][PARAMETERS])
+        let count = self.columns.saturating_sub(1);
+        let matrix = Matrix::from_fn(|i, j| match i.max(j) {
+            most if most < count => self.sums[most][i.min(j)],
+            _ if i == j => 1.0,
+            _ => 0.0,
+        });
+        let residuals = &self.sums[count];
+        let gradient = Vector::from_fn(|i, _| if i < count { residuals[i] } else { 0.0 });
+        (matrix, gradient, residuals[count])
     }
 }
 
@@ -112,6 +122,7 @@ fn add_tile(tile: &mut [[Lanes; TILE]; TILE], left: [&[f32]; TILE], right: [&[f3
 pub(super) struct Gradient {
     lanes: [Lanes; COLUMNS],
     sums: [f64; COLUMNS],
+    parameters: usize,
     rows: usize,
 }
 
@@ -120,13 +131,15 @@ impl Gradient {
         Self {
             lanes: [[0.0; LANES]; COLUMNS],
             sums: [0.0; COLUMNS],
+            parameters: 0,
             rows: 0,
         }
     }
 
     #[inline(always)]
     pub(super) fn add(&mut self, row: &Row) {
-        let residuals = &row.data[PARAMETERS * row.stride..];
+        self.parameters = row.parameters;
+        let residuals = &row.data[row.parameters * row.stride..];
         for (sums, column) in self.lanes.iter_mut().zip(row.data.chunks_exact(row.stride)) {
             let mut lanes = *sums;
             let chunks = column.chunks_exact(LANES);
@@ -154,6 +167,8 @@ impl Gradient {
     /// The gradient and the sum of squared residuals.
     pub(super) fn finish(mut self) -> (Vector, f64) {
         self.transfer();
-        (Vector::from_fn(|i, _| self.sums[i]), self.sums[PARAMETERS])
+        let count = self.parameters;
+        let gradient = Vector::from_fn(|i, _| if i < count { self.sums[i] } else { 0.0 });
+        (gradient, self.sums[count])
     }
 }

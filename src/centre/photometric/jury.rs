@@ -62,6 +62,7 @@ impl Verdict {
             ring,
             inside,
             shading: [0.0; 2],
+            sheet: None,
         }
     }
 }

@@ -5,7 +5,7 @@
 //!            start     the window and the grey levels of a start
 //!            psf       Gaussian or disc, by likelihood
 //!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`) and their sums (`gram`)
-//!                      model = levels x coverage x shading
+//!                      model = levels x coverage x shading, and the end of the `sheet` where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
 //!                      `trust`, and the perspective they share (`law`, `lens_map`)
@@ -18,6 +18,7 @@
 mod around;
 mod blur;
 mod board;
+mod border;
 mod bound;
 mod boundary;
 mod censored;
@@ -41,8 +42,11 @@ mod refit;
 mod response;
 mod ring;
 mod shape;
+mod sheet;
+mod sheet_start;
 mod start;
 mod trust;
+mod under;
 mod window;
 
 pub use blur::{Blur, Psf};
@@ -61,6 +65,7 @@ pub use refit::{KnownRing, refit};
 pub use response::ResponseGamma;
 pub use ring::{RingError, RingStart, Seen, measure_ring};
 pub use shape::{SHAPE_PARAMETERS, Shape};
+pub use sheet::{Edge, SheetEnd};
 pub use start::window;
 pub use window::{End, Grid, Rectangle, Window};
 

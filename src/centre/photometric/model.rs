@@ -1,22 +1,27 @@
 //! The grey values of a blurred ring: levels of paper, ring and inner disc, blur, and linear shading across the window.
 //!
 //! `I = (paper + (ring - paper) B_1 + (inside - ring) B_r) (1 + s . (x - x0) / w)`: B_1 and B_r are the blurred coverages of the
-//! outer and the inner circle (`coverage`), s the shading over the window's width w, x0 the window's middle.
+//! outer and the inner circle (`coverage`), s the shading over the window's width w, x0 the window's middle. Where the sheet
+//! ends beside the ring, `(beyond - paper) O` is added in the first bracket (`sheet`).
 
 use super::blur::Blur;
 use super::coverage::{COVERAGE_PARAMETERS, Contrasts, Coverage};
 use super::shape::{SHAPE_PARAMETERS, Shape};
+use super::sheet::{SHEET_PARAMETERS, SheetEnd, SheetRow};
 use super::window::Grid;
 use nalgebra::{SMatrix, SVector};
 
-/// All parameters: shape (7), blur (1), levels (3), shading (2).
-pub(super) const PARAMETERS: usize = COVERAGE_PARAMETERS + 5;
+/// Parameters of every ring: shape (7), blur (1), levels (3), shading (2).
+pub(super) const RING_PARAMETERS: usize = COVERAGE_PARAMETERS + 5;
+/// All parameters: those of the sheet's end come last, and most rings have none.
+pub(super) const PARAMETERS: usize = RING_PARAMETERS + SHEET_PARAMETERS;
 /// Where each stands among the parameters.
 pub(super) const BLUR: usize = SHAPE_PARAMETERS;
 pub(super) const PAPER: usize = COVERAGE_PARAMETERS;
 pub(super) const RING: usize = PAPER + 1;
 pub(super) const INSIDE: usize = PAPER + 2;
 pub(super) const SHADING: usize = PAPER + 3;
+pub(super) const SHEET: usize = RING_PARAMETERS;
 
 /// Everything the grey values of one window depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +38,8 @@ pub struct RingModel {
     pub inside: f64,
     /// Relative change of the light over the window's width, across and down.
     pub shading: [f64; 2],
+    /// Where the sheet ends, if it does within reach.
+    pub sheet: Option<SheetEnd>,
 }
 
 pub(super) type Vector = SVector<f64, PARAMETERS>;
@@ -49,7 +56,15 @@ impl RingModel {
         p[INSIDE] = self.inside;
         p[SHADING] = self.shading[0];
         p[SHADING + 1] = self.shading[1];
+        if let Some(end) = &self.sheet {
+            p.as_mut_slice()[SHEET..].copy_from_slice(&end.parameters());
+        }
         p
+    }
+
+    /// How many parameters it has: the first of all.
+    pub(super) fn count(&self) -> usize {
+        RING_PARAMETERS + self.sheet.map_or(0, |end| end.count())
     }
 
     /// This model with other parameters; what kind of blur it has stays.
@@ -66,6 +81,9 @@ impl RingModel {
             ring: p[RING],
             inside: p[INSIDE],
             shading: [p[SHADING], p[SHADING + 1]],
+            sheet: self
+                .sheet
+                .map(|end| end.with_parameters(&p.as_slice()[SHEET..])),
         }
     }
 
@@ -80,13 +98,14 @@ impl RingModel {
         [self.ring - self.paper, self.inside - self.ring]
     }
 
-    /// Light of the pixels of one row, from the coverages of both circles there.
+    /// Light of the pixels of one row, from the coverages of both circles there and what is missing of the sheet.
     #[inline(always)]
     pub(super) fn light(
         &self,
         grid: &Grid,
         row: usize,
         [outer, inner]: [&[f32]; 2],
+        sheet: &mut SheetRow,
         out: &mut [f32],
     ) {
         let shades = Shades::new(self, grid, row);
@@ -95,6 +114,13 @@ impl RingModel {
         let (outer, inner) = (&outer[..out.len()], &inner[..out.len()]);
         for (i, out) in out.iter_mut().enumerate() {
             *out = (paper + dark * outer[i] + light * inner[i]) * shades.at(i);
+        }
+        if let Some(end) = &self.sheet {
+            sheet.fill(end, &self.blur, grid, row);
+            let step = (end.beyond - self.paper) as f32;
+            for (i, out) in out.iter_mut().enumerate() {
+                *out += step * sheet.missing[i] * shades.at(i);
+            }
         }
     }
 }
@@ -142,6 +168,9 @@ pub(super) struct Row {
     /// Parameter by parameter, `stride` pixels each; room for the residuals behind them.
     pub(super) data: Vec<f32>,
     pub(super) stride: usize,
+    /// Parameters: those that the model has.
+    pub(super) parameters: usize,
+    pub(super) sheet: SheetRow,
 }
 
 impl Row {
@@ -157,7 +186,8 @@ impl Row {
     ) {
         let stride = grid.stride();
         self.stride = stride;
-        self.data.resize(stride * (PARAMETERS + 1), 0.0);
+        self.parameters = model.count();
+        self.data.resize(stride * (self.parameters + 1), 0.0);
         let shades = Shades::new(model, grid, row);
         let by_blur = model.by_blur(grid) as f32;
         let span = row * stride..(row + 1) * stride;
@@ -194,10 +224,40 @@ impl Row {
             by_across[i] = flat * shades.across(i);
             by_down[i] = flat * shades.v;
         }
+        if let Some(end) = &model.sheet {
+            self.sheet.fill(end, &model.blur, grid, row);
+            self.add_sheet((end.beyond - model.paper) as f32, &shades, weights);
+        }
     }
 
-    /// The residuals, behind the parameters.
-    pub(super) fn residuals_mut(&mut self) -> &mut [f32] {
-        &mut self.data[PARAMETERS * self.stride..]
+    /// Adds what the sheet's end changes in the derivatives of the ring's parameters, and fills in its own.
+    fn add_sheet(&mut self, step: f32, shades: &Shades, weights: &[f32]) {
+        let (stride, sheet) = (self.stride, &self.sheet);
+        self.data[SHEET * stride..self.parameters * stride].fill(0.0);
+        let mut add = |k: usize, of: &dyn Fn(usize) -> f32| {
+            let column = self.data[k * stride..(k + 1) * stride].iter_mut();
+            for (i, (out, weight)) in column.zip(weights).enumerate() {
+                *out += weight * of(i);
+            }
+        };
+        add(BLUR, &|i| step * sheet.by_blur[i] * shades.at(i));
+        add(PAPER, &|i| -sheet.missing[i] * shades.at(i));
+        add(SHADING, &|i| step * sheet.missing[i] * shades.across(i));
+        add(SHADING + 1, &|i| step * sheet.missing[i] * shades.v);
+        add(SHEET, &|i| sheet.missing[i] * shades.at(i));
+        for (k, by) in sheet.by_edge[..self.parameters - SHEET - 1]
+            .iter()
+            .enumerate()
+        {
+            add(SHEET + 1 + k, &|i| step * by[i] * shades.at(i));
+        }
+    }
+
+    /// The residuals, behind the parameters, and room for what is missing of the sheet.
+    pub(super) fn residuals_mut(&mut self) -> (&mut [f32], &mut SheetRow) {
+        (
+            &mut self.data[self.parameters * self.stride..],
+            &mut self.sheet,
+        )
     }
 }

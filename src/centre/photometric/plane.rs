@@ -29,6 +29,22 @@ impl PlaneView {
         -horizon.xy() / horizon.dot(&at.to_homogeneous())
     }
 
+    /// The direction (unit vector in the frame) across the image of the plane's line that stands `far_m` out from a place towards
+    /// a side; it leads outwards. `None` where that line is seen edge on.
+    pub(super) fn outwards(
+        &self,
+        place: &Point2<f64>,
+        side: &Vector2<f64>,
+        far_m: f64,
+    ) -> Option<Vector2<f64>> {
+        let line = Vector3::new(side.x, side.y, -(side.dot(&place.coords) + far_m));
+        let seen = self.back.transpose() * line;
+        // at a point of the frame the line's value is the distance times the depth there, which may be negative
+        let at = self.back.try_inverse()? * place.to_homogeneous();
+        let depth = self.back.row(2).transpose().dot(&at) / at.z;
+        (seen.xy() * depth.signum()).try_normalize(f64::MIN_POSITIVE)
+    }
+
     /// The ring at this perspective whose outer circle is this ellipse.
     pub(super) fn ring_of(&self, outer: &Ellipse) -> Option<Shape> {
         Shape::in_perspective(outer, self.perspective(&outer.centre))

@@ -7,6 +7,7 @@ use super::fit::Known;
 use super::gram::{Gradient, Gram};
 use super::model::{Matrix, RingModel, Row, Vector};
 use super::shape::Shape;
+use super::sheet::SheetRow;
 use super::window::{Grid, Window};
 use pulp::Arch;
 
@@ -169,9 +170,9 @@ impl Workspace {
                 if filled.is_none() {
                     return;
                 }
-                let circles = &room.coverage.circles;
+                let (circles, sheet) = (&room.coverage.circles, &mut room.row.sheet);
                 for (row, out) in room.residuals.chunks_exact_mut(stride).enumerate() {
-                    subtract(model, known.window, circles, row, out);
+                    subtract(model, known.window, circles, row, (sheet, out));
                 }
             },
         );
@@ -189,8 +190,8 @@ impl Workspace {
         let span = row * stride..(row + 1) * stride;
         let weights = &window.weights[span.clone()];
         out.fill(model, grid, row, coverage, weights);
-        let residuals = out.residuals_mut();
-        subtract(model, window, &coverage.circles, row, residuals);
+        let (residuals, sheet) = out.residuals_mut();
+        subtract(model, window, &coverage.circles, row, (sheet, residuals));
         self.residuals[span.clone()].copy_from_slice(residuals);
         if window.censored.is_empty() {
             return 0.0;
@@ -206,12 +207,12 @@ fn subtract(
     window: &Window,
     [outer, inner]: &[Plane; 2],
     row: usize,
-    out: &mut [f32],
+    (sheet, out): (&mut SheetRow, &mut [f32]),
 ) {
     let stride = window.grid.stride();
     let span = row * stride..(row + 1) * stride;
     let circles = [&outer[span.clone()], &inner[span.clone()]];
-    model.light(&window.grid, row, circles, out);
+    model.light(&window.grid, row, circles, sheet, out);
     let values = &window.values[span.clone()];
     let weights = &window.weights[span];
     for ((out, value), weight) in out.iter_mut().zip(values).zip(weights) {

@@ -126,6 +126,7 @@ pub(super) fn levels(
         ring: solved[1],
         inside: solved[2],
         shading: [solved[3] / mean, solved[4] / mean],
+        sheet: None,
     };
     Some((total - solved.dot(&right), model))
 }

@@ -48,6 +48,7 @@ fn errors_are_those_of_the_bound_and_covariances_are_honest() {
             ring: 0.1,
             inside: 0.85,
             shading: [0.0; 2],
+            sheet: None,
         };
         const TRIALS: u64 = 60;
         let (mut squares, mut normalised, mut bound) = (0.0, 0.0, 0.0);

@@ -1,0 +1,196 @@
+//! The end of the sheet beside a ring: one straight edge, or two at a corner, blurred like the ring, and another light beyond.
+//!
+//! Of the sheet's light `paper` the part O is missing and `beyond` is there instead: `(beyond - paper) O` is added to the grey
+//! values. A half-plane at the signed distance d, blurred, is F(d / s); of a corner O = 1 - (1 - F_1) (1 - F_2), which is exact for
+//! a Gaussian and a right angle. The pixel's box is taken as so much more blur: it is small against s wherever an edge that
+//! is worth a model (and not left out) is in reach.
+
+use super::blur::{Blur, Psf};
+use super::normal::density_and_cumulative;
+use super::window::Grid;
+use nalgebra::{Point2, Vector2};
+use std::f32::consts::{FRAC_1_PI, FRAC_2_PI};
+
+/// Parameters of an edge: how far out it is, and its direction.
+pub(super) const EDGE_PARAMETERS: usize = 2;
+/// Parameters of the sheet's end: the light beyond, and two edges.
+pub(super) const SHEET_PARAMETERS: usize = 1 + 2 * EDGE_PARAMETERS;
+
+/// An edge of the sheet.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Edge {
+    /// From where the offset is counted, px of the frame; it does not move in a fit.
+    pub anchor: Point2<f64>,
+    /// How far from the anchor the edge is, px.
+    pub offset_px: f64,
+    /// Direction that leads off the sheet, rad from the frame's x towards its y.
+    pub angle: f64,
+}
+
+impl Edge {
+    /// Unit vector that leads off the sheet.
+    pub(super) fn normal(&self) -> Vector2<f64> {
+        let (sin, cos) = self.angle.sin_cos();
+        Vector2::new(cos, sin)
+    }
+}
+
+/// Where the sheet ends beside a ring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SheetEnd {
+    /// Light beyond, 1 at full scale.
+    pub beyond: f64,
+    /// The edge.
+    pub edge: Edge,
+    /// The other edge, at a corner.
+    pub other: Option<Edge>,
+}
+
+impl SheetEnd {
+    /// How many of its parameters there are.
+    pub(super) fn count(&self) -> usize {
+        1 + EDGE_PARAMETERS * (1 + usize::from(self.other.is_some()))
+    }
+
+    pub(super) fn parameters(&self) -> [f64; SHEET_PARAMETERS] {
+        let other = self.other.map_or([0.0; 2], |e| [e.offset_px, e.angle]);
+        [
+            self.beyond,
+            self.edge.offset_px,
+            self.edge.angle,
+            other[0],
+            other[1],
+        ]
+    }
+
+    pub(super) fn with_parameters(&self, p: &[f64]) -> Self {
+        let with = |edge: &Edge, k: usize| Edge {
+            offset_px: p[k],
+            angle: p[k + 1],
+            ..*edge
+        };
+        Self {
+            beyond: p[0],
+            edge: with(&self.edge, 1),
+            other: self.other.map(|other| with(&other, 1 + EDGE_PARAMETERS)),
+        }
+    }
+}
+
+/// One row of what is missing of the sheet, and how that changes.
+#[derive(Debug, Clone, Default)]
+pub(super) struct SheetRow {
+    /// O.
+    pub(super) missing: Vec<f32>,
+    /// Change by the square of the blur's size, px^-2 of the frame.
+    pub(super) by_blur: Vec<f32>,
+    /// Change by each edge's offset (px) and angle.
+    pub(super) by_edge: [Vec<f32>; 2 * EDGE_PARAMETERS],
+}
+
+impl SheetRow {
+    /// Fills in one row of a window.
+    pub(super) fn fill(&mut self, end: &SheetEnd, blur: &Blur, grid: &Grid, row: usize) {
+        let stride = grid.stride();
+        for plane in [&mut self.missing, &mut self.by_blur] {
+            plane.clear();
+            plane.resize(stride, 0.0);
+        }
+        for plane in &mut self.by_edge {
+            plane.clear();
+            plane.resize(stride, 0.0);
+        }
+        let step = Profile::new(blur, grid);
+        let first = Line::new(&end.edge, grid, row);
+        let second = end.other.map(|other| Line::new(&other, grid, row));
+        for i in 0..stride {
+            let (e1, k1) = step.at(first.distance(i));
+            let (e2, k2) = second.map_or((0.0, 0.0), |line| step.at(line.distance(i)));
+            self.missing[i] = e1 + e2 - e1 * e2;
+            let (k1, k2) = (k1 * (1.0 - e2), k2 * (1.0 - e1));
+            let mut by_blur = k1 * first.distance(i);
+            self.by_edge[0][i] = -k1;
+            self.by_edge[1][i] = k1 * first.along(i);
+            if let Some(second) = second {
+                by_blur += k2 * second.distance(i);
+                self.by_edge[2][i] = -k2;
+                self.by_edge[3][i] = k2 * second.along(i);
+            }
+            self.by_blur[i] = -step.half_over_square * by_blur;
+        }
+    }
+}
+
+/// An edge as one row of pixels sees it.
+#[derive(Clone, Copy)]
+struct Line {
+    distance: (f32, f32),
+    along: (f32, f32),
+}
+
+impl Line {
+    fn new(edge: &Edge, grid: &Grid, row: usize) -> Self {
+        let normal = edge.normal();
+        let begin = Point2::new(grid.x(0), grid.y(row)) - edge.anchor;
+        let along = Vector2::new(-normal.y, normal.x);
+        Self {
+            distance: (
+                (begin.dot(&normal) - edge.offset_px) as f32,
+                (normal.x * grid.pixel_px) as f32,
+            ),
+            along: (begin.dot(&along) as f32, (along.x * grid.pixel_px) as f32),
+        }
+    }
+
+    /// How far beyond the edge a pixel is, px.
+    fn distance(&self, column: usize) -> f32 {
+        self.distance.0 + self.distance.1 * column as f32
+    }
+
+    /// How far along the edge it is from the anchor's foot, px.
+    fn along(&self, column: usize) -> f32 {
+        self.along.0 + self.along.1 * column as f32
+    }
+}
+
+/// A blurred step.
+#[derive(Clone, Copy)]
+struct Profile {
+    psf: Psf,
+    /// 1 / s, px^-1.
+    scale: f32,
+    half_over_square: f32,
+}
+
+impl Profile {
+    fn new(blur: &Blur, grid: &Grid) -> Self {
+        // the variance of a disc along one axis is a quarter of its radius squared, that of a pixel a twelfth of its side squared
+        let box_share = match blur.psf {
+            Psf::Gaussian => 1.0 / 12.0,
+            Psf::Disc => 1.0 / 3.0,
+        };
+        let square = blur.size_px * blur.size_px + box_share * grid.pixel_px * grid.pixel_px;
+        Self {
+            psf: blur.psf,
+            scale: square.sqrt().recip() as f32,
+            half_over_square: (0.5 / square) as f32,
+        }
+    }
+
+    /// The step and its slope (px^-1) at a distance.
+    fn at(&self, distance: f32) -> (f32, f32) {
+        let u = distance * self.scale;
+        match self.psf {
+            Psf::Gaussian => {
+                let (density, cumulative) = density_and_cumulative(u);
+                (cumulative, density * self.scale)
+            }
+            Psf::Disc => {
+                let u = u.clamp(-1.0, 1.0);
+                let chord = (1.0 - u * u).sqrt();
+                let area = 0.5 + FRAC_1_PI * (u * chord + u.asin());
+                (area, FRAC_2_PI * chord * self.scale)
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Where the sheet may end beside a ring: the sides of the board it stands at, and the edge there that explains the residuals best.
+
+use super::board::{BoardPlace, BoardStart};
+use super::fit::{Known, RingFitted};
+use super::plane::PlaneView;
+use super::problem::Workspace;
+use super::sheet::{Edge, SheetEnd, SheetRow};
+use super::window::Window;
+use nalgebra::Vector2;
+
+/// An edge sharper than so many pixels of the window is left out instead: nothing of the ring is near it.
+const LEAST_SIGMA_PIXELS: f64 = 1.0;
+/// Edges are looked for at these distances, blur sigmas, beyond the outline; up to the window's own reach.
+const STEP_SIGMAS: f64 = 0.25;
+const REACH_SIGMAS: f64 = 3.5;
+/// An edge has to lower the sum of squares by this many of a pixel's variances.
+const WORTH: f64 = 30.0;
+/// A candidate is worth a fit from this on: a fit without the edge hides most of what it would explain.
+const WORTH_A_FIT: f64 = 12.0;
+
+/// The sides of the board (unit vectors of its plane, outwards) at which a ring stands.
+pub(super) fn sides(board: &BoardStart, place: &BoardPlace) -> Vec<Vector2<f64>> {
+    let near = board.outer_radius_m;
+    [Vector2::x(), -Vector2::x(), Vector2::y(), -Vector2::y()]
+        .into_iter()
+        .filter(|side| {
+            let out = |other: &BoardPlace| (other.plane_m - place.plane_m).dot(side);
+            board.places.iter().all(|other| out(other) < near)
+        })
+        .collect()
+}
+
+/// The ring fitted with the end of the sheet, where that explains its window better.
+///
+/// `near` is a fit that the edge has not spoilt; `usual` is the one that knows no edge.
+pub(super) fn with_sheet(
+    known: &Known,
+    (board, place, view): (&BoardStart, &BoardPlace, &PlaneView),
+    (near, usual): (&RingFitted, &RingFitted),
+    room: &mut Workspace,
+) -> Option<RingFitted> {
+    let model = &usual.model;
+    if model.blur.sigma_px() < LEAST_SIGMA_PIXELS * known.window.grid.pixel_px {
+        return None;
+    }
+    let sides = sides(board, place);
+    let mut residuals = room.residuals(known, &near.model).to_vec();
+    let variance = (near.noise * near.noise).max(f64::MIN_POSITIVE);
+    let mut found: Vec<Candidate> = Vec::new();
+    for side in &sides {
+        let normal = view.outwards(&place.plane_m, side, board.outer_radius_m)?;
+        let best = Candidate::best(known.window, near, normal, &residuals);
+        if let Some(best) = best.filter(|c| c.gain > WORTH_A_FIT * variance) {
+            best.explain(known.window, near, &mut residuals);
+            found.push(best);
+        }
+    }
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let first = found.first()?;
+    let end = SheetEnd {
+        beyond: near.model.paper + first.step,
+        edge: first.edge,
+        other: found.get(1).map(|second| second.edge),
+    };
+    let mut start = near.model;
+    start.sheet = Some(end);
+    let fitted = known.fit_with(&start, model.blur.psf, room).ok()?;
+    (fitted.squares + WORTH * fitted.noise * fitted.noise < usual.squares).then_some(fitted)
+}
+
+/// An edge that may be there.
+#[derive(Debug, Clone, Copy)]
+struct Candidate {
+    edge: Edge,
+    /// Light beyond less the paper's.
+    step: f64,
+    /// By how much it lowers the sum of squares.
+    gain: f64,
+}
+
+impl Candidate {
+    /// The edge across a direction that explains most of the residuals of a fit.
+    fn best(
+        window: &Window,
+        fitted: &RingFitted,
+        normal: Vector2<f64>,
+        residuals: &[f32],
+    ) -> Option<Self> {
+        let model = &fitted.model;
+        let outline = model.shape.ellipse(1.0)?;
+        let (sin, cos) = outline.angle.sin_cos();
+        let (major, minor) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
+        let extent = (outline.major * normal.dot(&major)).hypot(outline.minor * normal.dot(&minor));
+        let sigma_px = model.blur.sigma_px();
+        let steps = (REACH_SIGMAS / STEP_SIGMAS) as usize;
+        (0..=steps)
+            .filter_map(|k| {
+                let edge = Edge {
+                    anchor: outline.centre,
+                    offset_px: extent + k as f64 * STEP_SIGMAS * sigma_px,
+                    angle: normal.y.atan2(normal.x),
+                };
+                Self::of(window, fitted, edge, residuals)
+            })
+            .max_by(|a, b| a.gain.total_cmp(&b.gain))
+    }
+
+    fn of(window: &Window, fitted: &RingFitted, edge: Edge, residuals: &[f32]) -> Option<Self> {
+        let (mut product, mut square) = (0.0, 0.0);
+        for_each_missing(window, fitted, edge, |i, missing| {
+            let missing = f64::from(missing * window.weights[i]);
+            product += missing * f64::from(residuals[i]);
+            square += missing * missing;
+        });
+        (square > 1.0).then(|| Self {
+            edge,
+            step: product / square,
+            gain: product * product / square,
+        })
+    }
+
+    /// Takes what this edge explains out of the residuals.
+    fn explain(&self, window: &Window, fitted: &RingFitted, residuals: &mut [f32]) {
+        for_each_missing(window, fitted, self.edge, |i, missing| {
+            residuals[i] -= self.step as f32 * missing * window.weights[i];
+        });
+    }
+}
+
+/// What is missing of the sheet in each pixel of a window.
+fn for_each_missing(
+    window: &Window,
+    fitted: &RingFitted,
+    edge: Edge,
+    mut visit: impl FnMut(usize, f32),
+) {
+    let end = SheetEnd {
+        beyond: 0.0,
+        edge,
+        other: None,
+    };
+    let (grid, stride) = (&window.grid, window.grid.stride());
+    let mut missing = SheetRow::default();
+    for row in 0..grid.height {
+        missing.fill(&end, &fitted.model.blur, grid, row);
+        let pixels = missing.missing[..grid.width].iter().enumerate();
+        pixels.for_each(|(column, &part)| visit(row * stride + column, part));
+    }
+}

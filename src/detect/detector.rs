@@ -1,8 +1,9 @@
 //! The detector: a board and how to look for it.
 
-use super::centres::{board_homography, centres};
+use super::centres::board_homography;
 use super::detection::{Detection, Indices, Miss};
 use super::grid::find_grid;
+use super::outermost::sure_centres;
 use super::rings::{add_drowned, find_rings};
 use super::single::find_single;
 use crate::board::{Board, Polarity};
@@ -95,7 +96,7 @@ impl Detector {
             let all = add_drowned(frame, rings, sign, ratio);
             find_grid(frame, &self.board, &all, sign)
         })?;
-        let (rings, photometric) = centres(frame, &self.board, &placed, &self.options, sign);
+        let (rings, photometric) = sure_centres(frame, &self.board, placed, &self.options, sign)?;
         let homography = board_homography(&self.board, &rings).ok_or(Miss::NoGrid {
             found: rings.len(),
             rows: self.board.rows(),

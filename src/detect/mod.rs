@@ -11,6 +11,7 @@ mod ellipse_fit;
 mod grid;
 mod labelling;
 mod orientation;
+mod outermost;
 mod patch;
 mod places;
 mod plausible;

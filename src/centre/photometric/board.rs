@@ -204,7 +204,7 @@ fn fit_given(board: &BoardStart, rings: &mut [Under], map: &LensMap) {
                 shape,
                 ..ring.model
             };
-            let seen = board.seen(place);
+            let seen = ring.seen;
             let again = known.fit_with(&start, start.blur.psf, room);
             let usual =
                 |fitted: &RingFitted| fitted.noise * window.grid.pixel_px < MOST_NOISE * noise_px;

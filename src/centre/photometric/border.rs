@@ -96,10 +96,11 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
     else {
         return false;
     };
-    let noise_px = median(rings.iter().filter_map(noise_px_of).collect()).unwrap_or(0.0);
+    let usual_px = median(rings.iter().filter_map(noise_px_of).collect()).unwrap_or(0.0);
     let work = rings.par_iter_mut().zip(board.places).enumerate();
     work.map_init(Workspace::default, |room, (i, (under, place))| {
-        let lost = under.fitted.is_err() || under.masked;
+        let noisy = |own| own > MOST_NOISE * usual_px;
+        let lost = under.masked || noise_px_of(under).is_none_or(noisy);
         let Some(end) = margins.end((board, place), map, lost) else {
             return false;
         };
@@ -128,11 +129,17 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
         };
         let mut again = Under::at(frame, board, seen, start);
         again.fit((board, place, None), (i, &models), room);
-        let usual = noise_px_of(&again).is_some_and(|own| own < MOST_NOISE * noise_px);
-        if usual {
+        let mended = noise_px_of(&again).is_some_and(|own| !noisy(own));
+        if mended {
             *under = again;
+        } else if under.fitted.is_err() {
+            // its pixels alone do not tell its shape; the map may, with the edge in place
+            *under = Under {
+                fitted: under.fitted,
+                ..Under::at(frame, board, seen, start)
+            };
         }
-        usual
+        mended
     })
     .reduce(|| false, |a, b| a || b)
 }

@@ -5,7 +5,7 @@
 //!            start     the window and the grey levels of a start
 //!            psf       Gaussian or disc, by likelihood
 //!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`) and their sums (`gram`)
-//!                      model = levels x coverage x shading, and the end of the `sheet` where it is in reach
+//!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
 //!                      `trust`, and the perspective they share (`law`, `lens_map`)
@@ -23,6 +23,7 @@ mod bound;
 mod boundary;
 mod censored;
 mod choice;
+mod corner;
 mod coverage;
 mod disc;
 mod fit;

@@ -18,7 +18,7 @@ pub(super) fn density_and_cumulative(u: f32) -> (f32, f32) {
 
 /// e to the power of `x`, for x from -80 to 80; relative error 2e-7.
 #[inline(always)]
-fn exp(x: f32) -> f32 {
+pub(super) fn exp(x: f32) -> f32 {
     // adding this rounds to a whole number and leaves it in the low bits
     const ROUND: f32 = 12_582_912.0;
     let y = x.max(-80.0) * std::f32::consts::LOG2_E;

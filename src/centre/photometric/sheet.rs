@@ -1,11 +1,12 @@
 //! The end of the sheet beside a ring: one straight edge, or two at a corner, blurred like the ring, and another light beyond.
 //!
 //! Of the sheet's light `paper` the part O is missing and `beyond` is there instead: `(beyond - paper) O` is added to the grey
-//! values. A half-plane at the signed distance d, blurred, is F(d / s); of a corner O = 1 - (1 - F_1) (1 - F_2), which is exact for
-//! a Gaussian and a right angle. The pixel's box is taken as so much more blur: it is small against s wherever an edge that
-//! is worth a model (and not left out) is in reach.
+//! values. A half-plane at the signed distance d, blurred, is F(d / s); of a corner O = 1 - (1 - F_1) (1 - F_2), corrected for the
+//! corner's angle (`corner`). The pixel's box is taken as so much more blur: it is small against s wherever an edge that is
+//! worth a model (and not left out) is in reach.
 
 use super::blur::{Blur, Psf};
+use super::corner::Corner;
 use super::normal::density_and_cumulative;
 use super::window::Grid;
 use nalgebra::{Point2, Vector2};
@@ -102,21 +103,36 @@ impl SheetRow {
         }
         let step = Profile::new(blur, grid);
         let first = Line::new(&end.edge, grid, row);
-        let second = end.other.map(|other| Line::new(&other, grid, row));
-        for i in 0..stride {
-            let (e1, k1) = step.at(first.distance(i));
-            let (e2, k2) = second.map_or((0.0, 0.0), |line| step.at(line.distance(i)));
-            self.missing[i] = e1 + e2 - e1 * e2;
-            let (k1, k2) = (k1 * (1.0 - e2), k2 * (1.0 - e1));
-            let mut by_blur = k1 * first.distance(i);
-            self.by_edge[0][i] = -k1;
-            self.by_edge[1][i] = k1 * first.along(i);
-            if let Some(second) = second {
-                by_blur += k2 * second.distance(i);
-                self.by_edge[2][i] = -k2;
-                self.by_edge[3][i] = k2 * second.along(i);
+        let Some(other) = &end.other else {
+            for i in 0..stride {
+                let distance = first.distance(i);
+                let (missing, slope) = step.at(distance);
+                self.missing[i] = missing;
+                self.by_blur[i] = -step.half_over_square * slope * distance;
+                self.by_edge[0][i] = -slope;
+                self.by_edge[1][i] = slope * first.along(i);
             }
+            return;
+        };
+        let second = Line::new(other, grid, row);
+        let normals = (end.edge.normal(), other.normal());
+        let corner = Corner::new(normals.0.dot(&normals.1));
+        // change of the normals' cosine by the first angle
+        let turn = normals.0.perp(&normals.1) as f32;
+        for i in 0..stride {
+            let distances = [first.distance(i), second.distance(i)];
+            let [(e1, k1), (e2, k2)] = distances.map(|distance| step.at(distance));
+            let [a, b] = distances.map(|distance| -distance * step.spread);
+            let more = corner.at(a, b);
+            self.missing[i] = e1 + e2 - e1 * e2 - more.value;
+            let k1 = k1 * (1.0 - e2) + step.spread * more.by_depth[0];
+            let k2 = k2 * (1.0 - e1) + step.spread * more.by_depth[1];
+            let by_blur = k1 * distances[0] + k2 * distances[1];
             self.by_blur[i] = -step.half_over_square * by_blur;
+            self.by_edge[0][i] = -k1;
+            self.by_edge[1][i] = k1 * first.along(i) - turn * more.by_rho;
+            self.by_edge[2][i] = -k2;
+            self.by_edge[3][i] = k2 * second.along(i) + turn * more.by_rho;
         }
     }
 }
@@ -159,20 +175,23 @@ struct Profile {
     psf: Psf,
     /// 1 / s, px^-1.
     scale: f32,
+    /// 1 over the standard deviation, px^-1.
+    spread: f32,
     half_over_square: f32,
 }
 
 impl Profile {
     fn new(blur: &Blur, grid: &Grid) -> Self {
         // the variance of a disc along one axis is a quarter of its radius squared, that of a pixel a twelfth of its side squared
-        let box_share = match blur.psf {
-            Psf::Gaussian => 1.0 / 12.0,
-            Psf::Disc => 1.0 / 3.0,
+        let (box_share, deviations) = match blur.psf {
+            Psf::Gaussian => (1.0 / 12.0, 1.0),
+            Psf::Disc => (1.0 / 3.0, 2.0),
         };
         let square = blur.size_px * blur.size_px + box_share * grid.pixel_px * grid.pixel_px;
         Self {
             psf: blur.psf,
             scale: square.sqrt().recip() as f32,
+            spread: (deviations / square.sqrt()) as f32,
             half_over_square: (0.5 / square) as f32,
         }
     }

@@ -1,0 +1,233 @@
+//! Whether the outermost rows and columns of a grid are rings.
+//!
+//! Where blur has nearly drowned a row, a blot or the sheet's edge one step beyond the opposite row may look more like rings than the
+//! row does, and the whole grid is then numbered one step off: a wrong answer that looks like a right one. So a row or column that
+//! only a few edges speak for has to pass the test of its grey values: its rings must fit the model of a ring as well as all others do,
+//! with about their contrast and blur. If they do not, the grid is tried one step to the other side.
+
+use super::centres::centres;
+use super::detection::{Measured, Miss, Ring};
+use super::detector::DetectOptions;
+use super::grid::Placed;
+use crate::board::Board;
+use crate::centre::Estimator;
+use crate::frame::Frame;
+
+/// A line is in doubt where fewer than this fraction of its rings showed edges.
+const THIN: f64 = 0.5;
+/// A ring is like the others while its residuals are at most this much of theirs, and its contrast and its blur within these factors.
+const MOST_NOISE: f64 = 2.5;
+const CONTRASTS: (f64, f64) = (0.4, 2.0);
+const BLURS: (f64, f64) = (0.6, 1.6);
+/// At least this fraction of a doubtful line's rings must be like the others.
+const ALIKE: f64 = 0.5;
+
+/// An outermost row or column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Line {
+    FirstRow,
+    LastRow,
+    FirstColumn,
+    LastColumn,
+}
+
+impl Line {
+    const ALL: [Self; 4] = [
+        Self::FirstRow,
+        Self::LastRow,
+        Self::FirstColumn,
+        Self::LastColumn,
+    ];
+
+    fn contains(self, board: &Board, row: u16, column: u16) -> bool {
+        match self {
+            Self::FirstRow => row == 0,
+            Self::LastRow => row + 1 == board.rows(),
+            Self::FirstColumn => column == 0,
+            Self::LastColumn => column + 1 == board.columns(),
+        }
+    }
+
+    fn opposite(self) -> Self {
+        match self {
+            Self::FirstRow => Self::LastRow,
+            Self::LastRow => Self::FirstRow,
+            Self::FirstColumn => Self::LastColumn,
+            Self::LastColumn => Self::FirstColumn,
+        }
+    }
+
+    fn rings(self, board: &Board) -> usize {
+        usize::from(match self {
+            Self::FirstRow | Self::LastRow => board.columns(),
+            Self::FirstColumn | Self::LastColumn => board.rows(),
+        })
+    }
+
+    fn is_in_doubt(self, board: &Board, placed: &[Placed]) -> bool {
+        let seen = placed
+            .iter()
+            .filter(|ring| self.contains(board, ring.row, ring.column));
+        (seen.count() as f64) < THIN * self.rings(board) as f64
+    }
+
+    /// The grid without this line, moved to where the line was.
+    fn moved(self, board: &Board, placed: &[Placed]) -> Vec<Placed> {
+        placed
+            .iter()
+            .filter(|ring| !self.contains(board, ring.row, ring.column))
+            .map(|ring| {
+                let (row, column) = match self {
+                    Self::FirstRow => (ring.row - 1, ring.column),
+                    Self::LastRow => (ring.row + 1, ring.column),
+                    Self::FirstColumn => (ring.row, ring.column - 1),
+                    Self::LastColumn => (ring.row, ring.column + 1),
+                };
+                Placed {
+                    row,
+                    column,
+                    ..*ring
+                }
+            })
+            .collect()
+    }
+}
+
+/// The centres of a grid whose outermost lines are beyond doubt, or have passed the test of their grey values.
+///
+/// # Errors
+/// [`Miss::TooFewRings`] where a line has not, and the grid one step to the other side has not either.
+pub(super) fn sure_centres(
+    frame: &Frame,
+    board: &Board,
+    placed: Vec<Placed>,
+    options: &DetectOptions,
+    sign: f64,
+) -> Result<(Vec<Ring>, Option<Measured>), Miss> {
+    let doubtful = |placed: &[Placed]| -> Vec<Line> {
+        let lines = Line::ALL.into_iter();
+        lines
+            .filter(|line| line.is_in_doubt(board, placed))
+            .collect()
+    };
+    let lines = doubtful(&placed);
+    if lines.is_empty() {
+        return Ok(centres(frame, board, &placed, options, sign));
+    }
+    let by_grey = DetectOptions {
+        estimator: Estimator::Photometric,
+        ..*options
+    };
+    let answer = |mut placed: Vec<Placed>, measured: (Vec<Ring>, Option<Measured>)| {
+        if options.estimator == Estimator::Photometric {
+            return measured;
+        }
+        // an estimator that needs edges takes those of the fits where none were seen
+        for ring in &measured.0 {
+            let known = |p: &Placed| (p.row, p.column) == (ring.row, ring.column);
+            if !placed.iter().any(known) {
+                placed.push(Placed {
+                    row: ring.row,
+                    column: ring.column,
+                    ellipses: ring.ellipses,
+                    blur_sigma_px: ring.blur_sigma_px,
+                });
+            }
+        }
+        placed.sort_by_key(|ring| (ring.row, ring.column));
+        centres(frame, board, &placed, options, sign)
+    };
+    let first = centres(frame, board, &placed, &by_grey, sign);
+    let wrong: Vec<Line> = lines
+        .into_iter()
+        .filter(|&line| !is_alike(board, line, &first.0, ALIKE * seen(board, line, &placed)))
+        .collect();
+    if wrong.is_empty() {
+        return Ok(answer(placed, first));
+    }
+    let few = Miss::TooFewRings {
+        found: placed.len(),
+        expected: board.ring_count(),
+    };
+    let mut moved = placed;
+    for &line in &wrong {
+        moved = line.moved(board, &moved);
+    }
+    let second = centres(frame, board, &moved, &by_grey, sign);
+    let holds = wrong.iter().all(|line| {
+        let line = line.opposite();
+        is_alike(board, line, &second.0, ALIKE * line.rings(board) as f64)
+    });
+    if holds {
+        Ok(answer(moved, second))
+    } else {
+        Err(few)
+    }
+}
+
+fn seen(board: &Board, line: Line, placed: &[Placed]) -> f64 {
+    let seen = placed
+        .iter()
+        .filter(|ring| line.contains(board, ring.row, ring.column));
+    seen.count() as f64
+}
+
+/// Whether so many rings of a line (and one at least) have grey values like those of the rings elsewhere.
+fn is_alike(board: &Board, line: Line, rings: &[Ring], least: f64) -> bool {
+    let (own, others): (Vec<Grey>, Vec<Grey>) = {
+        let (own, others): (Vec<&Ring>, Vec<&Ring>) = rings
+            .iter()
+            .partition(|ring| line.contains(board, ring.row, ring.column));
+        let grey = |rings: Vec<&Ring>| rings.into_iter().filter_map(Grey::of).collect();
+        (grey(own), grey(others))
+    };
+    let Some(usual) = Grey::usual(&others) else {
+        return false;
+    };
+    let alike = own.iter().filter(|grey| grey.is_like(&usual)).count();
+    alike > 0 && alike as f64 >= least
+}
+
+/// What a fit says of a ring's grey values.
+#[derive(Debug, Clone, Copy)]
+struct Grey {
+    noise: f64,
+    contrast: f64,
+    sigma_px: f64,
+}
+
+impl Grey {
+    fn of(ring: &Ring) -> Option<Self> {
+        let fitted = &ring.kept.as_ref()?.fitted;
+        Some(Self {
+            noise: fitted.noise,
+            contrast: fitted.model.paper - fitted.model.ring,
+            sigma_px: fitted.model.blur.sigma_px(),
+        })
+    }
+
+    /// The median of each.
+    fn usual(all: &[Self]) -> Option<Self> {
+        let median = |of: fn(&Self) -> f64| {
+            let mut values: Vec<f64> = all.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            values.get(values.len() / 2).copied()
+        };
+        Some(Self {
+            noise: median(|grey| grey.noise)?,
+            contrast: median(|grey| grey.contrast)?,
+            sigma_px: median(|grey| grey.sigma_px)?,
+        })
+    }
+
+    fn is_like(&self, usual: &Self) -> bool {
+        let within =
+            |own: f64, usual: f64, (low, high): (f64, f64)| own / usual > low && own / usual < high;
+        // without noise the residuals are rounding, and differ
+        let noise = usual.noise.max(2e-3 * usual.contrast.abs());
+        self.noise < MOST_NOISE * noise
+            && within(self.contrast, usual.contrast, CONTRASTS)
+            && (self.sigma_px.max(usual.sigma_px) < 1.0
+                || within(self.sigma_px, usual.sigma_px, BLURS))
+    }
+}

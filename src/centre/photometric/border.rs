@@ -7,9 +7,10 @@ use super::board::{BoardPlace, BoardStart};
 use super::lens_map::LensMap;
 use super::model::RingModel;
 use super::problem::Workspace;
-use super::ring::Seen;
+use super::ring::{RingError, Seen};
 use super::sheet::{Edge, SheetEnd};
 use super::sheet_start::sides;
+use super::start::Cut;
 use super::under::Under;
 use crate::frame::Frame;
 use nalgebra::{Point2, Vector2};
@@ -127,16 +128,20 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
             outline,
             ..under.seen
         };
-        let mut again = Under::at(frame, board, seen, start);
+        let mut again = Under::at(frame, board, (seen, Cut::OF_BORDER), start);
         again.fit((board, place, None), (i, &models), room);
         let mended = noise_px_of(&again).is_some_and(|own| !noisy(own));
+        let spoilt = noise_px_of(under).is_some_and(noisy);
         if mended {
             *under = again;
-        } else if under.fitted.is_err() {
+        } else if under.fitted.is_err() || spoilt {
             // its pixels alone do not tell its shape; the map may, with the edge in place
+            let failure = under.fitted.err().unwrap_or(RingError::NotThisRing {
+                what: "its residuals are no noise",
+            });
             *under = Under {
-                fitted: under.fitted,
-                ..Under::at(frame, board, seen, start)
+                fitted: Err(failure),
+                ..Under::at(frame, board, (seen, Cut::OF_BORDER), start)
             };
         }
         mended

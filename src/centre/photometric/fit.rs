@@ -26,6 +26,9 @@ const SLOW: f64 = 0.1;
 /// Keeps the blur (its square, px^2) determined whatever the pixels say; as much as a measurement of 300 px^2 uncertainty at
 /// 1 % of noise.
 pub(super) const BLUR_PRIOR: f64 = 1e-9;
+/// The same for the sheet's end: the light beyond, the offset (px) and the angle of an edge. As much as measurements of 0.5, 10 px and
+/// 0.3 rad uncertainty at 1 % of noise: an edge that is all but out of reach determines none of them.
+const SHEET_PRIOR: [f64; 3] = [4e-4, 1e-6, 1e-3];
 
 /// The parameters that a shape without a place has: affine and perspective.
 const FIRST_GIVEN: usize = 2;
@@ -277,6 +280,14 @@ impl Fit<'_, '_> {
     fn matrix(&self) -> Matrix {
         let mut matrix = self.normal.matrix;
         matrix[(BLUR, BLUR)] += BLUR_PRIOR;
+        let [light, offset, angle] = SHEET_PRIOR;
+        for k in SHEET..self.start.count() {
+            matrix[(k, k)] += match (k - SHEET) % EDGE_PARAMETERS {
+                _ if k == SHEET => light,
+                1 => offset,
+                _ => angle,
+            };
+        }
         if self.given == Given::Shape {
             (FIRST_GIVEN..FIRST_GIVEN + GIVEN).for_each(|k| freeze(&mut matrix, k));
         }

@@ -33,6 +33,11 @@ impl Cut {
         margin_sigmas: 2.0,
         bin_sigmas: 0.75,
     };
+    /// Of rings at a board's border, where the sheet's end is to be told from the ring.
+    pub(super) const OF_BORDER: Self = Self {
+        margin_sigmas: 2.5,
+        bin_sigmas: 0.5,
+    };
 }
 
 /// The window around a ring: `margin_sigmas` blur sigmas beyond its outer ellipse, its pixels binned as the blur allows; `None`

@@ -43,16 +43,21 @@ impl Under {
     pub(super) fn begin(frame: &Frame, standing: Standing, verdict: &Verdict) -> Self {
         let (board, place, view) = standing;
         let model = verdict.start(board, place, view);
-        Self::at(frame, board, board.seen(place), model)
+        Self::at(frame, board, (board.seen(place), Cut::OF_BOARD), model)
     }
 
-    /// From a start.
-    pub(super) fn at(frame: &Frame, board: &BoardStart, seen: Seen, model: RingModel) -> Self {
+    /// From a start, in a window cut for it.
+    pub(super) fn at(
+        frame: &Frame,
+        board: &BoardStart,
+        (seen, how): (Seen, Cut),
+        model: RingModel,
+    ) -> Self {
         let outer = model.shape.ellipse(1.0).unwrap_or(seen.outline);
         let sigma_px = model.blur.sigma_px();
         Self {
             seen,
-            window: cut(frame, &outer, sigma_px, Cut::OF_BOARD, board.linear),
+            window: cut(frame, &outer, sigma_px, how, board.linear),
             model,
             fitted: Err(RingError::Outside),
             crowded: false,

@@ -2,6 +2,7 @@
 
 mod boards;
 mod rings;
+mod sheet;
 
 use super::blur::{Blur, Psf};
 use super::coverage::COVERAGE_PARAMETERS;

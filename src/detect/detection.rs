@@ -149,6 +149,22 @@ pub enum Miss {
         /// Columns of the board.
         columns: u16,
     },
+    /// A grid of spots whose grey values are not those of rings: plain dots, gaps between things.
+    #[error("a grid of {found} spots seen, but only {rings} of them look like rings")]
+    NotRings {
+        /// Spots that stand in the board's grid.
+        found: usize,
+        /// Those whose grey values fit a ring's.
+        rings: usize,
+    },
+    /// The rings are there, but hardly more than patches.
+    #[error("blur too heavy: sigma about {sigma_px:.0} px, rings {width_px:.0} px wide")]
+    TooBlurred {
+        /// Median blur, px.
+        sigma_px: f64,
+        /// Median width of the rings, inner to outer edge, px.
+        width_px: f64,
+    },
     /// A grid of another size.
     #[error("found {found_rows} x {found_columns}, the board file says {rows} x {columns}")]
     WrongSize {

@@ -1,15 +1,15 @@
 //! The detector: a board and how to look for it.
 
 use super::centres::board_homography;
-use super::detection::{Detection, Indices, Miss};
+use super::detection::{Detection, Indices, Miss, Ring};
 use super::grid::find_grid;
 use super::outermost::sure_centres;
 use super::rings::{add_drowned, find_rings};
 use super::single::find_single;
 use crate::board::{Board, Polarity};
 use crate::camera::Camera;
-use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
+use crate::centre::{Ellipse, Estimator};
 use crate::frame::Frame;
 
 /// How to look for a board.
@@ -35,6 +35,13 @@ pub struct Detector {
 
 /// Side of a ring that can be measured at all, px.
 const LEAST_RING_PX: usize = 6;
+
+/// Fraction of a board's rings that must have a ring's grey values.
+const LEAST_MEASURED: f64 = 0.5;
+/// Contrast across the inner circle over that across the outer: 1 in print, less than a quarter where a dot is taken for a ring.
+const LEAST_INSIDE: f64 = 0.5;
+/// Blur sigma over the ring's width from which edges say so little that blur is to blame.
+const HEAVY: f64 = 0.5;
 
 impl Detector {
     /// A detector of `board`.
@@ -68,15 +75,11 @@ impl Detector {
             Polarity::LightOnDark => self.detect_sign(frame, -1.0),
             Polarity::Auto => {
                 let dark = self.detect_sign(frame, 1.0);
-                if dark
-                    .as_ref()
-                    .is_ok_and(|d| d.rings.len() == self.board.ring_count())
-                {
+                if evidence(&dark) == self.board.ring_count() {
                     return dark;
                 }
                 let light = self.detect_sign(frame, -1.0);
-                let found = |d: &Result<Detection, Miss>| d.as_ref().map_or(0, |d| d.rings.len());
-                if found(&light) > found(&dark) {
+                if evidence(&light) > evidence(&dark) {
                     light
                 } else {
                     dark
@@ -97,6 +100,9 @@ impl Detector {
             find_grid(frame, &self.board, &all, sign)
         })?;
         let (rings, photometric) = sure_centres(frame, &self.board, placed, &self.options, sign)?;
+        if photometric.is_some() {
+            are_rings(&rings)?;
+        }
         let homography = board_homography(&self.board, &rings).ok_or(Miss::NoGrid {
             found: rings.len(),
             rows: self.board.rows(),
@@ -111,4 +117,49 @@ impl Detector {
             photometric,
         })
     }
+}
+
+/// How many rings speak for a detection.
+fn evidence(detection: &Result<Detection, Miss>) -> usize {
+    detection
+        .as_ref()
+        .map_or(0, |found| match found.photometric {
+            Some(_) => measured(&found.rings).count(),
+            None => found.rings.len(),
+        })
+}
+
+/// The rings whose grey values are a ring's: paper shows again inside, which a plain dot does not have.
+fn measured(rings: &[Ring]) -> impl Iterator<Item = &Ring> {
+    rings.iter().filter(|ring| {
+        ring.kept.as_ref().is_some_and(|kept| {
+            let model = &kept.fitted.model;
+            (model.inside - model.ring) / (model.paper - model.ring) > LEAST_INSIDE
+        })
+    })
+}
+
+/// Whether enough of the rings have the grey values of rings.
+fn are_rings(rings: &[Ring]) -> Result<(), Miss> {
+    let fitted = measured(rings).count();
+    if fitted as f64 >= LEAST_MEASURED * rings.len() as f64 {
+        return Ok(());
+    }
+    let median = |of: fn(&Ring) -> f64| {
+        let mut values: Vec<f64> = rings.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        values.get(values.len() / 2).copied().unwrap_or(0.0)
+    };
+    let width = |ring: &Ring| {
+        let size = |ellipse: &Ellipse| (ellipse.major * ellipse.minor).sqrt();
+        size(&ring.ellipses.outer) - size(&ring.ellipses.inner)
+    };
+    let (sigma_px, width_px) = (median(|ring| ring.blur_sigma_px), median(width));
+    if sigma_px > HEAVY * width_px {
+        return Err(Miss::TooBlurred { sigma_px, width_px });
+    }
+    Err(Miss::NotRings {
+        found: rings.len(),
+        rings: fitted,
+    })
 }

@@ -22,6 +22,9 @@ const SHARP: f64 = 0.16;
 /// Sizes (of the outline seen) and blurs (of the one seen) that are tried where they are not.
 const SIZES: [f64; 4] = [1.0, 0.92, 0.84, 0.74];
 const BLURS: [f64; 4] = [1.0, 1.35, 1.8, 2.4];
+/// Sizes (of the outline seen) and disc radii (of that size) that are tried for discs about as large as the inner circle.
+const LARGE_SIZES: [f64; 4] = [1.25, 1.05, 0.9, 0.75];
+const LARGE_DISCS: [f64; 5] = [0.3, 0.45, 0.6, 0.8, 1.0];
 /// Blur below this looks the same whatever its shape, px.
 const SHAPELESS_PX: f64 = 0.7;
 /// Windows are cut for this much more blur than is seen where edges are not where they seem to be.
@@ -202,8 +205,45 @@ pub(super) fn hear(
             }
         }
     };
+    let both = if sharp || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
+        both
+    } else {
+        with_large_disc(&known, &seen, both, room)
+    };
     both.likelier().ok().and_then(gated)?;
     Some((both, pixels))
+}
+
+/// The fits, with a better one of a disc where a large disc explains the pixels: it inverts the inner circle's contrast, which no
+/// Gaussian resembles, so that a start from one does not find it.
+fn with_large_disc(known: &Known, seen: &Shape, both: Both, room: &mut Workspace) -> Both {
+    let Some(outline) = seen.ellipse(1.0) else {
+        return both;
+    };
+    let seen_px = (outline.major * outline.minor).sqrt();
+    let tried = LARGE_SIZES
+        .iter()
+        .flat_map(|size| LARGE_DISCS.iter().map(move |disc| (size, disc)));
+    let best = tried
+        .filter_map(|(size, disc)| {
+            let blur = Blur::disc(disc * size * seen_px);
+            levels(known.window, &seen.scaled(*size), &blur, known.ratio, room)
+        })
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, start)) = best else {
+        return both;
+    };
+    let squares = |fit: &Result<RingFitted, _>| fit.as_ref().map_or(f64::INFINITY, |f| f.squares);
+    let carefully = Known {
+        given: Given::Nothing,
+        ..*known
+    };
+    let disc = carefully.fit_with(&start, Psf::Disc, room);
+    if squares(&disc) < squares(&both.disc) {
+        Both { disc, ..both }
+    } else {
+        both
+    }
 }
 
 fn relative_size(place: &BoardPlace, fitted: &RingFitted) -> f64 {

@@ -19,6 +19,7 @@ use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
 use super::under::Under;
+use super::usual::{MOST_IF_GIVEN, Usual};
 use crate::camera::Camera;
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
@@ -27,8 +28,6 @@ use rayon::prelude::*;
 
 /// Rounds of fits while neighbours' skirts are still moving.
 const ROUNDS: usize = 3;
-/// A ring whose shape is given has residuals of at most so much of the others' noise.
-const MOST_NOISE: f64 = 1.5;
 
 /// A ring of a board as it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -178,12 +177,7 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
 /// Fits the rings that have no fit yet with the shape that the map gives them.
 fn fit_given(board: &BoardStart, rings: &mut [Under], map: &LensMap) {
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let mut noises: Vec<f64> = rings
-        .iter()
-        .filter_map(|r| Some(r.fitted.ok()?.noise * r.window.as_ref()?.grid.pixel_px))
-        .collect();
-    noises.sort_by(f64::total_cmp);
-    let noise_px = noises.get(noises.len() / 2).copied().unwrap_or(0.0);
+    let usual = Usual::of(rings);
     let work = rings.par_iter_mut().zip(board.places).enumerate();
     work.filter(|(_, (ring, _))| ring.fitted.is_err())
         .for_each_init(Workspace::default, |room, (i, (ring, place))| {
@@ -206,10 +200,11 @@ fn fit_given(board: &BoardStart, rings: &mut [Under], map: &LensMap) {
             };
             let seen = ring.seen;
             let again = known.fit_with(&start, start.blur.psf, room);
-            let usual =
-                |fitted: &RingFitted| fitted.noise * window.grid.pixel_px < MOST_NOISE * noise_px;
             let again = again.map_err(RingError::from).and_then(|f| gate(&seen, f));
-            if let Some(fitted) = again.ok().filter(usual) {
+            if let Some(fitted) = again
+                .ok()
+                .filter(|f| !usual.is_noisy(f, &window.grid, MOST_IF_GIVEN))
+            {
                 ring.fitted = Ok(fitted);
                 ring.given = true;
             }

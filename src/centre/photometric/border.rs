@@ -12,14 +12,13 @@ use super::sheet::{Edge, SheetEnd};
 use super::sheet_start::sides;
 use super::start::Cut;
 use super::under::Under;
+use super::usual::Usual;
 use crate::frame::Frame;
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
 /// The sides of a board.
 const SIDES: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
-/// A ring fitted with an edge that others found has residuals of at most so much of the others' noise.
-const MOST_NOISE: f64 = 1.5;
 /// Steps of a secant that finds an edge on the plane.
 const STEPS: usize = 4;
 
@@ -97,11 +96,10 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
     else {
         return false;
     };
-    let usual_px = median(rings.iter().filter_map(noise_px_of).collect()).unwrap_or(0.0);
+    let usual = Usual::of(rings);
     let work = rings.par_iter_mut().zip(board.places).enumerate();
     work.map_init(Workspace::default, |room, (i, (under, place))| {
-        let noisy = |own| own > MOST_NOISE * usual_px;
-        let lost = under.masked || noise_px_of(under).is_none_or(noisy);
+        let lost = under.masked || usual.is_ring_noisy(under) != Some(false);
         let Some(end) = margins.end((board, place), map, lost) else {
             return false;
         };
@@ -130,8 +128,8 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
         };
         let mut again = Under::at(frame, board, (seen, Cut::OF_BORDER), start);
         again.fit((board, place, None), (i, &models), room);
-        let mended = noise_px_of(&again).is_some_and(|own| !noisy(own));
-        let spoilt = noise_px_of(under).is_some_and(noisy);
+        let mended = usual.is_ring_noisy(&again) == Some(false);
+        let spoilt = usual.is_ring_noisy(under) == Some(true);
         if mended {
             *under = again;
         } else if under.fitted.is_err() || spoilt {
@@ -147,10 +145,6 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
         mended
     })
     .reduce(|| false, |a, b| a || b)
-}
-
-fn noise_px_of(ring: &Under) -> Option<f64> {
-    Some(ring.fitted.ok()?.noise * ring.window.as_ref()?.grid.pixel_px)
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

@@ -48,6 +48,7 @@ mod sheet_start;
 mod start;
 mod trust;
 mod under;
+mod usual;
 mod window;
 
 pub use blur::{Blur, Psf};

@@ -12,10 +12,6 @@ use nalgebra::{SMatrix, SVector};
 /// A window's margin is at least this, px.
 const LEAST_MARGIN_PX: f64 = 3.0;
 
-/// Where more than this fraction of a window's pixels is clipped none are binned: of a bin in which only some are clipped,
-/// neither its mean nor its likelihood is known.
-const MOST_CLIPPED: f64 = 0.01;
-
 /// How windows are cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cut {
@@ -88,12 +84,7 @@ pub(super) fn cut(
         height: y1.saturating_sub(y0),
     };
     let bin = ((how.bin_sigmas * sigma_px) as usize).max(1);
-    let window = Window::cut(frame, rectangle, bin, linear)?;
-    let pixels = (window.grid.width * window.grid.height) as f64;
-    if bin > 1 && window.censored.len() as f64 > MOST_CLIPPED * pixels {
-        return Window::cut(frame, rectangle, 1, linear);
-    }
-    Some(window)
+    Window::cut(frame, rectangle, bin, linear)
 }
 
 /// Least-squares levels and a slope of the light for a shape and a blur, and the sum of squares they leave.

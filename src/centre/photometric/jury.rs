@@ -25,6 +25,8 @@ const BLURS: [f64; 4] = [1.0, 1.35, 1.8, 2.4];
 /// Sizes (of the outline seen) and disc radii (of that size) that are tried for discs about as large as the inner circle.
 const LARGE_SIZES: [f64; 4] = [1.25, 1.05, 0.9, 0.75];
 const LARGE_DISCS: [f64; 5] = [0.3, 0.45, 0.6, 0.8, 1.0];
+/// They are not tried where a ring fits with less blur than this, sigma over the size of the outline.
+const LIGHT: f64 = 0.17;
 /// Blur below this looks the same whatever its shape, px.
 const SHAPELESS_PX: f64 = 0.7;
 /// Windows are cut for this much more blur than is seen where edges are not where they seem to be.
@@ -205,7 +207,10 @@ pub(super) fn hear(
             }
         }
     };
-    let both = if sharp || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
+    let size_px = (place.outline.major * place.outline.minor).sqrt();
+    let light = |fitted: RingFitted| fitted.model.blur.sigma_px() < LIGHT * size_px;
+    let settled = sharp || both.likelier().ok().and_then(gated).is_some_and(light);
+    let both = if settled || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
         both
     } else {
         with_large_disc(&known, &seen, both, room)

@@ -2,8 +2,9 @@
 //! changes with the ring's parameters.
 //!
 //! Every node of an outline (`boundary`) lays a stamp on the pixels that its kernel reaches: `gaussian` and `disc` know the
-//! stamps. They are laid row by row and, in a row, vector by vector of pixels, so that the sums over all nodes stay in
-//! registers. Pixels to the right of a stamp all get the same: that is summed once for each vector.
+//! stamps. They are laid in strips as wide as a vector of pixels: all stamps of a kernel are equally high, so that those which reach
+//! a row of the strip follow one another in the order of their first rows, and the sums over them stay in registers. Pixels
+//! to the right of a stamp all get the same: that is summed once for each vector.
 
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
@@ -38,6 +39,16 @@ pub(super) struct Coverage {
     nodes: Vec<Node>,
     gaussian: Gaussian,
     disc: Disc,
+    room: Room,
+}
+
+/// Room for what the stamps of an outline add up to.
+#[derive(Debug, Clone, Default)]
+struct Room {
+    /// What the pixels to the right of the stamps that end before a vector get, of the sum and of its change; row by row.
+    beyond: Vec<[f32; 2]>,
+    /// The nodes whose stamps reach a strip.
+    strip: Vec<usize>,
 }
 
 impl Coverage {
@@ -73,34 +84,19 @@ impl Coverage {
         };
         for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
             let contrast = contrasts.map(|both| both[circle] as f32);
-            let (nodes, planes) = (
-                &mut self.nodes,
-                (&mut self.circles[circle], &mut self.changes),
-            );
-            let circle = (shape, radius);
+            let outline = Outline {
+                nodes: &mut self.nodes,
+                room: &mut self.room,
+                grid,
+                shape,
+                radius,
+            };
+            let planes = (&mut self.circles[circle], &mut self.changes);
             match psf {
                 Psf::Gaussian => {
-                    cover(
-                        &mut self.gaussian,
-                        kernel_size,
-                        nodes,
-                        grid,
-                        circle,
-                        planes,
-                        contrast,
-                    )?;
+                    outline.cover(&mut self.gaussian, kernel_size, planes, contrast)?
                 }
-                Psf::Disc => {
-                    cover(
-                        &mut self.disc,
-                        kernel_size,
-                        nodes,
-                        grid,
-                        circle,
-                        planes,
-                        contrast,
-                    )?;
-                }
+                Psf::Disc => outline.cover(&mut self.disc, kernel_size, planes, contrast)?,
             }
         }
         if growth != 1.0 && contrasts.is_some() {
@@ -111,6 +107,14 @@ impl Coverage {
     }
 }
 
+/// Where a node's stamp lies: rows and vectors of pixels, and where its rows begin in the kernel's table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stamp {
+    pub(super) rows: (usize, usize),
+    pub(super) vectors: (usize, usize),
+    pub(super) table: usize,
+}
+
 /// A blur's stamps of the nodes of one outline.
 pub(super) trait Kernel {
     /// One row of a node's stamp.
@@ -119,11 +123,14 @@ pub(super) trait Kernel {
     /// How close the nodes of an outline must be for a kernel of this size, both in pixels of the grid.
     fn spacing(size: f64) -> f64;
 
-    /// Takes its size (pixels of the grid) and computes what the stamps of these nodes have in common.
+    /// Takes its size (pixels of the grid) and computes the stamps of these nodes.
     fn prepare(&mut self, grid: &Grid, nodes: &[Node], size: f64);
 
-    /// The row of node `j`'s stamp in row `i` of the window, and the vectors of pixels it touches; `None` where it does not reach.
-    fn row(&self, node: &Node, j: usize, i: usize) -> Option<(Self::Row, Reach)>;
+    /// The stamps, one for each node; all of them are equally high where the window does not cut them off.
+    fn stamps(&self) -> &[Stamp];
+
+    /// Row `i` of the window in a stamp that reaches it.
+    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row;
 
     /// Sum of the kernel from the left over a vector of pixels.
     fn sum(&self, row: &Self::Row, node: &Node, j: usize, vector: usize) -> Lanes;
@@ -135,123 +142,185 @@ pub(super) trait Kernel {
     fn beyond(&self, row: &Self::Row) -> [f32; 2];
 }
 
-/// Vectors of pixels from `first` up to `past`.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
-    pub(super) first: usize,
-    pub(super) past: usize,
-}
-
-/// Vectors of a row within `reach` of a column; those before get nothing, those behind all.
+/// The rows and vectors of pixels within `reach` of a node; pixels to the left of them get nothing, those to the right all.
 #[inline(always)]
-pub(super) fn vectors_within(x: f32, reach: f32, vectors: usize) -> Reach {
-    let most = (vectors * LANES) as f32;
-    let first = ((x - reach).ceil().clamp(0.0, most) as usize / LANES).min(vectors);
-    let past = ((x + reach).floor() + 1.0).clamp(0.0, most) as usize;
-    Reach {
-        first,
-        past: past.div_ceil(LANES).max(first),
+pub(super) fn touched(node: &Node, reach: f32, grid: &Grid, table: usize) -> Stamp {
+    let within = |at: f32, most: f32| {
+        let first = (at - reach).ceil().clamp(0.0, most) as usize;
+        let past = ((at + reach).floor() + 1.0).clamp(0.0, most) as usize;
+        (first, past.max(first))
+    };
+    let (left, right) = within(node.x, grid.stride() as f32);
+    let first = (left / LANES).min(grid.stride() / LANES);
+    Stamp {
+        rows: within(node.y, grid.height as f32),
+        vectors: (first, right.div_ceil(LANES).max(first)),
+        table,
     }
 }
 
-/// Adds the coverage by one circle of a shape to the first of the planes, and its changes to the others.
-#[inline(always)]
-fn cover<K: Kernel>(
-    kernel: &mut K,
-    size: f64,
-    nodes: &mut Vec<Node>,
-    grid: &Grid,
-    (shape, radius): (&Shape, f64),
-    (values, changes): (&mut Plane, &mut [Plane; COVERAGE_PARAMETERS]),
-    contrast: Option<f32>,
-) -> Option<()> {
-    trace(nodes, grid, shape, radius, K::spacing(size))?;
-    kernel.prepare(grid, nodes, size);
-    lay(kernel, nodes, grid, values, changes, contrast);
-    Some(())
+/// One circle of a shape, to be drawn on a window.
+struct Outline<'a> {
+    nodes: &'a mut Vec<Node>,
+    room: &'a mut Room,
+    grid: &'a Grid,
+    shape: &'a Shape,
+    radius: f64,
 }
 
-/// A stamp's row with what it is multiplied with.
-#[derive(Clone, Copy)]
-struct Active<R> {
-    row: R,
-    j: usize,
-    reach: Reach,
-}
-
-#[inline(always)]
-fn lay<K: Kernel>(
-    kernel: &K,
-    nodes: &[Node],
-    grid: &Grid,
-    values: &mut Plane,
-    changes: &mut [Plane; COVERAGE_PARAMETERS],
-    contrast: Option<f32>,
-) {
-    let stride = grid.stride();
-    let vectors = stride / LANES;
-    let mut active: Vec<Active<K::Row>> = Vec::with_capacity(nodes.len());
-    let mut beyond = vec![[0.0_f32; 2]; vectors + 1];
-    for i in 0..grid.height {
-        active.clear();
-        beyond.fill([0.0; 2]);
-        for (j, node) in nodes.iter().enumerate() {
-            if let Some((row, reach)) = kernel.row(node, j, i) {
-                let [sum, change] = kernel.beyond(&row);
-                beyond[reach.past][0] += node.rise * sum;
-                beyond[reach.past][1] += node.rise * change;
-                active.push(Active { row, j, reach });
-            }
-        }
-        let mut constant = [0.0_f32; 2];
-        for (vector, beyond) in beyond[..vectors].iter().enumerate() {
-            constant[0] += beyond[0];
-            constant[1] += beyond[1];
-            let at = i * stride + vector * LANES;
-            let here = active
-                .iter()
-                .filter(|a| a.reach.first <= vector && vector < a.reach.past);
+impl Outline<'_> {
+    /// Adds the coverage by the circle to the first of the planes, and its changes to the others.
+    #[inline(always)]
+    fn cover<K: Kernel>(
+        self,
+        kernel: &mut K,
+        size: f64,
+        (values, changes): (&mut Plane, &mut [Plane; COVERAGE_PARAMETERS]),
+        contrast: Option<f32>,
+    ) -> Option<()> {
+        let (nodes, grid) = (self.nodes, self.grid);
+        trace(nodes, grid, self.shape, self.radius, K::spacing(size))?;
+        kernel.prepare(grid, nodes, size);
+        self.room.sum_beyond(kernel, nodes, grid);
+        for vector in 0..grid.stride() / LANES {
+            self.room.collect(kernel.stamps(), vector);
+            let strip = Strip {
+                kernel,
+                nodes,
+                grid,
+                room: self.room,
+                vector,
+            };
             match contrast {
-                None => {
-                    let mut total = [constant[0]; LANES];
-                    for a in here {
-                        let node = &nodes[a.j];
-                        let sum = kernel.sum(&a.row, node, a.j, vector);
-                        for l in 0..LANES {
-                            total[l] += node.rise * sum[l];
-                        }
-                    }
-                    add(&mut values[at..at + LANES], 1.0, &total);
-                }
-                Some(contrast) => {
-                    let mut total = [constant[0]; LANES];
-                    let mut by_blur = [constant[1]; LANES];
-                    let mut by_shape = [[0.0_f32; LANES]; SHAPE_PARAMETERS];
-                    for a in here {
-                        let node = &nodes[a.j];
-                        let [sum, share, change] = kernel.all(&a.row, node, a.j, vector);
-                        for l in 0..LANES {
-                            total[l] += node.rise * sum[l];
-                            by_blur[l] += node.rise * change[l];
-                        }
-                        for (by, sweep) in by_shape.iter_mut().zip(&node.sweep) {
-                            for l in 0..LANES {
-                                by[l] += sweep * share[l];
-                            }
-                        }
-                    }
-                    add(&mut values[at..at + LANES], 1.0, &total);
-                    for (plane, by) in changes.iter_mut().zip(&by_shape) {
-                        add(&mut plane[at..at + LANES], contrast, by);
-                    }
-                    add(
-                        &mut changes[SHAPE_PARAMETERS][at..at + LANES],
-                        contrast,
-                        &by_blur,
-                    );
-                }
+                None => strip.lay_sums(values),
+                Some(contrast) => strip.lay_all(values, changes, contrast),
             }
         }
+        Some(())
+    }
+}
+
+impl Room {
+    /// Adds up what pixels beyond the stamps get.
+    #[inline(always)]
+    fn sum_beyond<K: Kernel>(&mut self, kernel: &K, nodes: &[Node], grid: &Grid) {
+        let vectors = grid.stride() / LANES;
+        self.beyond.clear();
+        self.beyond.resize((vectors + 1) * grid.height, [0.0; 2]);
+        for (node, stamp) in nodes.iter().zip(kernel.stamps()) {
+            for i in stamp.rows.0..stamp.rows.1 {
+                let [sum, change] = kernel.beyond(&kernel.row(stamp, i));
+                let at = &mut self.beyond[i * (vectors + 1) + stamp.vectors.1];
+                at[0] += node.rise * sum;
+                at[1] += node.rise * change;
+            }
+        }
+        for row in self.beyond.chunks_exact_mut(vectors + 1) {
+            let mut total = [0.0_f32; 2];
+            for at in row {
+                total = [total[0] + at[0], total[1] + at[1]];
+                *at = total;
+            }
+        }
+    }
+
+    /// The nodes whose stamps reach a vector of pixels, in the order of their first rows.
+    fn collect(&mut self, stamps: &[Stamp], vector: usize) {
+        let reaches = |stamp: &Stamp| {
+            stamp.vectors.0 <= vector && vector < stamp.vectors.1 && stamp.rows.0 < stamp.rows.1
+        };
+        self.strip.clear();
+        let all = stamps.iter().enumerate();
+        self.strip
+            .extend(all.filter(|(_, stamp)| reaches(stamp)).map(|(j, _)| j));
+        self.strip.sort_unstable_by_key(|&j| (stamps[j].rows, j));
+    }
+}
+
+/// One vector wide, as high as the window.
+struct Strip<'a, K> {
+    kernel: &'a K,
+    nodes: &'a [Node],
+    grid: &'a Grid,
+    room: &'a Room,
+    vector: usize,
+}
+
+impl<K: Kernel> Strip<'_, K> {
+    /// Calls `visit` with every row that is not empty: where it is in a plane, the nodes that reach it, and what lies beyond others.
+    #[inline(always)]
+    fn for_each_row(&self, mut visit: impl FnMut(usize, usize, &[usize], [f32; 2])) {
+        let (stamps, strip) = (self.kernel.stamps(), &self.room.strip);
+        let stride = self.grid.stride();
+        let vectors = stride / LANES;
+        let (mut first, mut past) = (0, 0);
+        for i in 0..self.grid.height {
+            while past < strip.len() && stamps[strip[past]].rows.0 <= i {
+                past += 1;
+            }
+            while first < past && stamps[strip[first]].rows.1 <= i {
+                first += 1;
+            }
+            let beyond = self.room.beyond[i * (vectors + 1) + self.vector];
+            if first < past || beyond != [0.0; 2] {
+                let at = i * stride + self.vector * LANES;
+                visit(i, at, &strip[first..past], beyond);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn lay_sums(&self, values: &mut Plane) {
+        let (kernel, stamps) = (self.kernel, self.kernel.stamps());
+        self.for_each_row(|i, at, strip, beyond| {
+            let mut total = [beyond[0]; LANES];
+            for &j in strip {
+                let node = &self.nodes[j];
+                let sum = kernel.sum(&kernel.row(&stamps[j], i), node, j, self.vector);
+                for l in 0..LANES {
+                    total[l] += node.rise * sum[l];
+                }
+            }
+            add(&mut values[at..at + LANES], 1.0, &total);
+        });
+    }
+
+    #[inline(always)]
+    fn lay_all(
+        &self,
+        values: &mut Plane,
+        changes: &mut [Plane; COVERAGE_PARAMETERS],
+        contrast: f32,
+    ) {
+        let (kernel, stamps) = (self.kernel, self.kernel.stamps());
+        self.for_each_row(|i, at, strip, beyond| {
+            let mut total = [beyond[0]; LANES];
+            let mut by_blur = [beyond[1]; LANES];
+            let mut by_shape = [[0.0_f32; LANES]; SHAPE_PARAMETERS];
+            for &j in strip {
+                let node = &self.nodes[j];
+                let row = kernel.row(&stamps[j], i);
+                let [sum, share, change] = kernel.all(&row, node, j, self.vector);
+                for l in 0..LANES {
+                    total[l] += node.rise * sum[l];
+                    by_blur[l] += node.rise * change[l];
+                }
+                for (by, sweep) in by_shape.iter_mut().zip(&node.sweep) {
+                    for l in 0..LANES {
+                        by[l] += sweep * share[l];
+                    }
+                }
+            }
+            add(&mut values[at..at + LANES], 1.0, &total);
+            for (plane, by) in changes.iter_mut().zip(&by_shape) {
+                add(&mut plane[at..at + LANES], contrast, by);
+            }
+            add(
+                &mut changes[SHAPE_PARAMETERS][at..at + LANES],
+                contrast,
+                &by_blur,
+            );
+        });
     }
 }
 

@@ -6,7 +6,7 @@
 //! whole disc lies in it.
 
 use super::boundary::Node;
-use super::coverage::{Kernel, LANES, Lanes, Reach, vectors_within};
+use super::coverage::{Kernel, LANES, Lanes, Stamp, touched};
 use super::window::Grid;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
@@ -30,7 +30,9 @@ const WHOLE: [(f32, f32); 3] = [
 #[derive(Debug, Clone, Default)]
 pub(super) struct Disc {
     radius: f32,
-    vectors: usize,
+    stamps: Vec<Stamp>,
+    /// The chords of each row, node after node.
+    rows: Vec<[Chord; 3]>,
 }
 
 /// A chord of the disc: half its width, and its share of the pixel's height over the disc's area.
@@ -76,18 +78,28 @@ impl Kernel for Disc {
     }
 
     #[inline(always)]
-    fn prepare(&mut self, grid: &Grid, _: &[Node], radius: f64) {
+    fn prepare(&mut self, grid: &Grid, nodes: &[Node], radius: f64) {
         self.radius = radius as f32;
-        self.vectors = grid.stride() / LANES;
+        self.stamps.clear();
+        self.rows.clear();
+        for node in nodes {
+            let stamp = touched(node, self.radius + 0.5, grid, self.rows.len());
+            for i in stamp.rows.0..stamp.rows.1 {
+                let chords = self.chords(i as f32 - node.y);
+                self.rows.push(chords);
+            }
+            self.stamps.push(stamp);
+        }
     }
 
     #[inline(always)]
-    fn row(&self, node: &Node, _: usize, i: usize) -> Option<(Self::Row, Reach)> {
-        let (y, reach) = (i as f32 - node.y, self.radius + 0.5);
-        (y.abs() < reach).then(|| {
-            let touched = vectors_within(node.x, reach, self.vectors);
-            (self.chords(y), touched)
-        })
+    fn stamps(&self) -> &[Stamp] {
+        &self.stamps
+    }
+
+    #[inline(always)]
+    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row {
+        self.rows[stamp.table + i - stamp.rows.0]
     }
 
     #[inline(always)]

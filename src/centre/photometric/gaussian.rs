@@ -1,7 +1,7 @@
 //! Stamps of a Gaussian blur, integrated over the pixels: separable, so a stamp is a column times a row.
 
 use super::boundary::Node;
-use super::coverage::{Kernel, LANES, Lanes, Reach, vectors_within};
+use super::coverage::{Kernel, LANES, Lanes, Stamp, touched};
 use super::normal::density_and_cumulative;
 use super::window::Grid;
 
@@ -16,12 +16,11 @@ pub(super) const LEAST_SIGMA: f64 = 0.03;
 #[derive(Debug, Clone, Default)]
 pub(super) struct Gaussian {
     across: Vec<Across>,
-    /// Where each node's vectors begin in `across`, and which of the window they are.
-    reaches: Vec<(usize, Reach)>,
+    /// Where each node's vectors begin in `across`.
+    begins: Vec<usize>,
     /// Share of the kernel in each row and its change by sigma, node after node.
     down: Vec<[f32; 2]>,
-    /// Where each node's rows begin in `down`, and which of the window they are.
-    rows: Vec<(usize, usize, usize)>,
+    stamps: Vec<Stamp>,
 }
 
 /// The kernel across a vector of pixels.
@@ -89,8 +88,8 @@ impl Across {
 }
 
 impl Kernel for Gaussian {
-    /// Share of the kernel in the row, its change by sigma, and where the node's vectors begin.
-    type Row = (f32, f32, usize);
+    /// Share of the kernel in the row, and its change by sigma.
+    type Row = [f32; 2];
 
     fn spacing(sigma: f64) -> f64 {
         SPACING * sigma.max(LEAST_SIGMA)
@@ -101,24 +100,19 @@ impl Kernel for Gaussian {
         let sigma = sigma.max(LEAST_SIGMA) as f32;
         let scale = 1.0 / sigma;
         let reach = REACH * sigma + 0.5;
-        let vectors = grid.stride() / LANES;
-        let height = grid.height as f32;
         self.across.clear();
-        self.reaches.clear();
+        self.begins.clear();
         self.down.clear();
-        self.rows.clear();
+        self.stamps.clear();
         for node in nodes {
-            let first_row = (node.y - reach).ceil().clamp(0.0, height) as usize;
-            let past_row = ((node.y + reach).floor() + 1.0).clamp(0.0, height) as usize;
-            let past_row = past_row.max(first_row);
-            let touched = vectors_within(node.x, reach, vectors);
-            self.rows.push((self.down.len(), first_row, past_row));
-            self.reaches.push((self.across.len(), touched));
-            if first_row == past_row {
+            let stamp = touched(node, reach, grid, self.down.len());
+            self.stamps.push(stamp);
+            self.begins.push(self.across.len());
+            if stamp.rows.0 == stamp.rows.1 {
                 continue;
             }
-            self.down_of(node.y, (first_row, past_row), scale);
-            for vector in touched.first..touched.past {
+            self.down_of(node.y, stamp.rows, scale);
+            for vector in stamp.vectors.0..stamp.vectors.1 {
                 let begin = ((vector * LANES) as f32 - 0.5 - node.x) * scale;
                 self.across.push(Across::new(begin, scale, sigma));
             }
@@ -126,26 +120,25 @@ impl Kernel for Gaussian {
     }
 
     #[inline(always)]
-    fn row(&self, _: &Node, j: usize, i: usize) -> Option<(Self::Row, Reach)> {
-        let (start, first, past) = self.rows[j];
-        if i < first || i >= past {
-            return None;
-        }
-        let [share, change] = self.down[start + i - first];
-        let (begin, reach) = self.reaches[j];
-        Some(((share, change, begin), reach))
+    fn stamps(&self) -> &[Stamp] {
+        &self.stamps
+    }
+
+    #[inline(always)]
+    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row {
+        self.down[stamp.table + i - stamp.rows.0]
     }
 
     #[inline(always)]
     fn sum(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> Lanes {
-        let across = &self.across[row.2 + vector - self.reaches[j].1.first];
-        across.sum.map(|sum| row.0 * sum)
+        let across = &self.across[self.begins[j] + vector - self.stamps[j].vectors.0];
+        across.sum.map(|sum| row[0] * sum)
     }
 
     #[inline(always)]
     fn all(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> [Lanes; 3] {
-        let across = &self.across[row.2 + vector - self.reaches[j].1.first];
-        let (share, change) = (row.0, row.1);
+        let across = &self.across[self.begins[j] + vector - self.stamps[j].vectors.0];
+        let [share, change] = *row;
         let sum = across.sum.map(|sum| share * sum);
         let mut by_sigma = across.sum_by_sigma.map(|slope| share * slope);
         for (slope, sum) in by_sigma.iter_mut().zip(&across.sum) {
@@ -156,6 +149,6 @@ impl Kernel for Gaussian {
 
     #[inline(always)]
     fn beyond(&self, row: &Self::Row) -> [f32; 2] {
-        [row.0, row.1]
+        *row
     }
 }

@@ -171,7 +171,7 @@ impl Line {
 
 /// A blurred step.
 #[derive(Clone, Copy)]
-struct Profile {
+pub(super) struct Profile {
     psf: Psf,
     /// 1 / s, px^-1.
     scale: f32,
@@ -181,7 +181,7 @@ struct Profile {
 }
 
 impl Profile {
-    fn new(blur: &Blur, grid: &Grid) -> Self {
+    pub(super) fn new(blur: &Blur, grid: &Grid) -> Self {
         // the variance of a disc along one axis is a quarter of its radius squared, that of a pixel a twelfth of its side squared
         let (box_share, deviations) = match blur.psf {
             Psf::Gaussian => (1.0 / 12.0, 1.0),
@@ -197,7 +197,7 @@ impl Profile {
     }
 
     /// The step and its slope (px^-1) at a distance.
-    fn at(&self, distance: f32) -> (f32, f32) {
+    pub(super) fn at(&self, distance: f32) -> (f32, f32) {
         let u = distance * self.scale;
         match self.psf {
             Psf::Gaussian => {

@@ -1,12 +1,13 @@
 //! Where the sheet may end beside a ring: the sides of the board it stands at, and the edge there that explains the residuals best.
 
+use super::blur::Blur;
 use super::board::{BoardPlace, BoardStart};
 use super::fit::{Known, RingFitted};
 use super::plane::PlaneView;
 use super::problem::Workspace;
-use super::sheet::{Edge, SheetEnd, SheetRow};
-use super::window::Window;
-use nalgebra::Vector2;
+use super::sheet::{Edge, Profile, SheetEnd, SheetRow};
+use super::window::{Grid, Window};
+use nalgebra::{Point2, Vector2};
 
 /// An edge sharper than so many pixels of the window is left out instead: nothing of the ring is near it.
 const LEAST_SIGMA_PIXELS: f64 = 1.0;
@@ -91,32 +92,24 @@ impl Candidate {
         let (sin, cos) = outline.angle.sin_cos();
         let (major, minor) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
         let extent = (outline.major * normal.dot(&major)).hypot(outline.minor * normal.dot(&minor));
-        let sigma_px = model.blur.sigma_px();
-        let steps = (REACH_SIGMAS / STEP_SIGMAS) as usize;
-        (0..=steps)
+        let step_px = STEP_SIGMAS * model.blur.sigma_px();
+        let across = Across::of(window, (outline.centre, normal, extent), step_px, residuals);
+        let steps = step_of(&model.blur, &window.grid, step_px);
+        (0..=(REACH_SIGMAS / STEP_SIGMAS) as usize)
             .filter_map(|k| {
+                let (product, square) = across.against(&steps, k);
                 let edge = Edge {
                     anchor: outline.centre,
-                    offset_px: extent + k as f64 * STEP_SIGMAS * sigma_px,
+                    offset_px: extent + k as f64 * step_px,
                     angle: normal.y.atan2(normal.x),
                 };
-                Self::of(window, fitted, edge, residuals)
+                (square > 1.0).then(|| Self {
+                    edge,
+                    step: product / square,
+                    gain: product * product / square,
+                })
             })
             .max_by(|a, b| a.gain.total_cmp(&b.gain))
-    }
-
-    fn of(window: &Window, fitted: &RingFitted, edge: Edge, residuals: &[f32]) -> Option<Self> {
-        let (mut product, mut square) = (0.0, 0.0);
-        for_each_missing(window, fitted, edge, |i, missing| {
-            let missing = f64::from(missing * window.weights[i]);
-            product += missing * f64::from(residuals[i]);
-            square += missing * missing;
-        });
-        (square > 1.0).then(|| Self {
-            edge,
-            step: product / square,
-            gain: product * product / square,
-        })
     }
 
     /// Takes what this edge explains out of the residuals.
@@ -125,6 +118,65 @@ impl Candidate {
             residuals[i] -= self.step as f32 * missing * window.weights[i];
         });
     }
+}
+
+/// Residuals by how far out of the ring they are, in bins; the first bin begins `INWARDS` bins inside the outline.
+struct Across {
+    /// Sum of the residuals, and pixels.
+    bins: Vec<(f64, f64)>,
+}
+
+/// Bins inside the outline, and in all.
+const INWARDS: usize = 16;
+const BINS: usize = 48;
+
+impl Across {
+    fn of(
+        window: &Window,
+        (centre, normal, extent): (Point2<f64>, Vector2<f64>, f64),
+        step_px: f64,
+        residuals: &[f32],
+    ) -> Self {
+        let (grid, stride) = (&window.grid, window.grid.stride());
+        let mut bins = vec![(0.0, 0.0); BINS];
+        let first = extent - INWARDS as f64 * step_px;
+        let along = normal.x * grid.pixel_px / step_px;
+        for row in 0..grid.height {
+            let begin = Point2::new(grid.x(0), grid.y(row)) - centre;
+            let begin = (begin.dot(&normal) - first) / step_px;
+            let span = row * stride..row * stride + grid.width;
+            let pixels = residuals[span.clone()].iter().zip(&window.weights[span]);
+            for (column, (residual, weight)) in pixels.enumerate() {
+                let at = begin + along * column as f64;
+                if at >= 0.0 {
+                    let bin = &mut bins[(at as usize).min(BINS - 1)];
+                    bin.0 += f64::from(*residual);
+                    bin.1 += f64::from(*weight);
+                }
+            }
+        }
+        Self { bins }
+    }
+
+    /// Sums of products of the residuals with what is missing beyond the edge `k` bins out of the outline, and of its squares.
+    fn against(&self, steps: &[f64], k: usize) -> (f64, f64) {
+        let missing = steps[BINS - INWARDS - k..].iter();
+        let bins = self.bins.iter().zip(missing);
+        bins.fold((0.0, 0.0), |(product, square), ((sum, pixels), missing)| {
+            (product + missing * sum, square + missing * missing * pixels)
+        })
+    }
+}
+
+/// The blurred step at the middles of bins, from `BINS` bins before it to as many behind.
+fn step_of(blur: &Blur, grid: &Grid, step_px: f64) -> Vec<f64> {
+    let profile = Profile::new(blur, grid);
+    (0..2 * BINS)
+        .map(|bin| {
+            let distance = (bin as f64 + 0.5 - BINS as f64) * step_px;
+            f64::from(profile.at(distance as f32).0)
+        })
+        .collect()
 }
 
 /// What is missing of the sheet in each pixel of a window.

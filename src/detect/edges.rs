@@ -19,6 +19,8 @@ const LEAST_RAYS: f64 = 0.6;
 /// Where an edge is taken to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LevelRule {
+    /// As `Extrema`, on few rays: for where the next rays are to go.
+    Rough,
     /// Half-way between the extrema of its own profile: there is one wherever the ring shows at all.
     Extrema,
     /// Half-way between the levels of the print: the paper as it is around the ring, and the ring as dark as it is where it is
@@ -55,8 +57,10 @@ pub(super) fn ring_edges<T: Pixel>(
     sign: f64,
     rule: LevelRule,
 ) -> Option<RingEdges> {
-    let count = (std::f64::consts::TAU * rough.outer.major) as usize;
-    let count = count.clamp(RAYS.0, RAYS.1);
+    let count = match rule {
+        LevelRule::Rough => RAYS.0,
+        _ => ((std::f64::consts::TAU * rough.outer.major) as usize).clamp(RAYS.0, RAYS.1),
+    };
     let profiles: Vec<Profile> = (0..count)
         .filter_map(|i| {
             let t = std::f64::consts::TAU * i as f64 / count as f64;

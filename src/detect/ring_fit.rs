@@ -7,7 +7,7 @@ use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::{Frame, Pixels};
 
 /// Edges are sought along rays of the ellipses of the round before.
-const ROUNDS: usize = 2;
+const ROUNDS: [LevelRule; 2] = [LevelRule::Rough, LevelRule::Extrema];
 /// Fraction of the edge points that must lie on the ellipse.
 const LEAST_INLIERS: f64 = 0.6;
 /// How far edges may stray from the ellipse: px, and as a fraction of the ring's width.
@@ -47,8 +47,8 @@ pub(super) fn measure(
 ) -> Option<RingFit> {
     let mut ellipses = *rough;
     let mut fit = None;
-    for _ in 0..ROUNDS {
-        let mut edges = edges_of(frame, &ellipses, sign, LevelRule::Extrema)?;
+    for rule in ROUNDS {
+        let mut edges = edges_of(frame, &ellipses, sign, rule)?;
         let stray_px;
         (ellipses, stray_px) = through(&edges, ratio)?;
         fit = Some(RingFit {
@@ -77,12 +77,12 @@ pub(super) fn measure_disc(
 ) -> Option<RingFit> {
     let mut outline = *rough;
     let mut fit = None;
-    for _ in 0..ROUNDS {
+    for rule in ROUNDS {
         let rays = RingEllipses {
             inner: scaled(&outline, DISC_MIDDLE),
             outer: outline,
         };
-        let mut edges = edges_of(frame, &rays, sign, LevelRule::Extrema)?;
+        let mut edges = edges_of(frame, &rays, sign, rule)?;
         let outer = fit_ellipse(&edges.outer)?;
         let blur_sigma_px = median(&mut edges.blur_sigma_px);
         let drowned = blur_sigma_px > DROWNING_BLUR * ratio * outer.ellipse.minor;

@@ -3,6 +3,7 @@
 use super::band_pass::BandPass;
 use super::candidates::{candidates, disc_candidates};
 use super::ring_fit::{RingFit, measure, measure_disc};
+use crate::centre::Ellipse;
 use crate::frame::{Frame, Level, Pixels, half, half_of_frame};
 use rayon::prelude::*;
 
@@ -12,11 +13,20 @@ const LEAST_SIDE_PX: usize = 24;
 /// Every ring that shows in the frame, each once, in no particular order but always the same. `sign` is 1 for dark
 /// rings, -1 for light ones; `ratio` the board's inner over outer radius.
 pub(super) fn find_rings(frame: &Frame, sign: f64, ratio: f64) -> Vec<RingFit> {
-    let rough = over_levels(frame, sign, |band, level| candidates(band, level, ratio));
-    let measured: Vec<RingFit> = rough
-        .par_iter()
-        .filter_map(|ring| measure(frame, ring, sign, ratio))
-        .collect();
+    let mut measured: Vec<RingFit> = Vec::new();
+    for rough in over_levels(frame, sign, |band, level| candidates(band, level, ratio)) {
+        // most rings show at two or three levels: once is enough
+        let new: Vec<RingFit> = rough
+            .par_iter()
+            .filter(|ring| {
+                !measured
+                    .iter()
+                    .any(|known| is_same(&known.outer, &ring.outer))
+            })
+            .filter_map(|ring| measure(frame, ring, sign, ratio))
+            .collect();
+        measured.extend(new);
+    }
     distinct(measured)
 }
 
@@ -29,6 +39,7 @@ pub(super) fn add_drowned(
 ) -> Vec<RingFit> {
     let rough = over_levels(frame, sign, disc_candidates);
     let discs: Vec<RingFit> = rough
+        .concat()
         .par_iter()
         .filter_map(|outline| measure_disc(frame, outline, sign, ratio))
         .collect();
@@ -41,20 +52,24 @@ pub(super) fn add_drowned(
     all
 }
 
-/// What `find` sees at every level of the frame's pyramid.
-fn over_levels<C>(frame: &Frame, sign: f64, find: impl Fn(&BandPass, Level) -> Vec<C>) -> Vec<C> {
+/// What `find` sees at every level of the frame's pyramid, level by level.
+fn over_levels<C>(
+    frame: &Frame,
+    sign: f64,
+    find: impl Fn(&BandPass, Level) -> Vec<C>,
+) -> Vec<Vec<C>> {
     let band = match &frame.pixels {
         Pixels::U8(plane) => BandPass::of(plane, sign as f32),
         Pixels::U16(plane) => BandPass::of(plane, sign as f32),
     };
-    let mut found = find(&band, Level(0));
+    let mut found = vec![find(&band, Level(0))];
     let mut picture = half_of_frame(frame);
     let mut level = 1;
     while let Some(plane) = picture {
         if plane.width().min(plane.height()) < LEAST_SIDE_PX {
             break;
         }
-        found.extend(find(&BandPass::of(&plane, sign as f32), Level(level)));
+        found.push(find(&BandPass::of(&plane, sign as f32), Level(level)));
         picture = half(&plane);
         level += 1;
     }
@@ -72,6 +87,16 @@ fn distinct(mut rings: Vec<RingFit>) -> Vec<RingFit> {
         }
     }
     kept
+}
+
+/// Outlines so near and alike belong to one ring.
+const SAME_PLACE: f64 = 0.2;
+const SAME_SIZE: f64 = 0.25;
+
+fn is_same(a: &Ellipse, b: &Ellipse) -> bool {
+    let size = |e: &Ellipse| (e.major * e.minor).sqrt();
+    (a.centre - b.centre).norm() < SAME_PLACE * a.minor
+        && (size(a) / size(b)).ln().abs() < SAME_SIZE
 }
 
 fn overlap(a: &RingFit, b: &RingFit) -> bool {

@@ -75,7 +75,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         domain,
         range: DiscoveryRange::Localhost,
     };
-    let context = network.join().context("DDS")?;
+    let (context, _) = network.join().context("DDS")?;
     let asked = move || interrupted.load(Ordering::Relaxed);
     let client = CameraClient::open(&context, "simulated_camera", NODE, TOPIC, asked)?;
     let found = demonstrate(&client, &camera, &mut node);

@@ -21,6 +21,7 @@ mod logging;
 pub mod messages;
 pub mod names;
 pub mod network;
+pub mod newcomer;
 mod node;
 mod parameter_services;
 mod parameter_store;

@@ -1,5 +1,6 @@
 //! Which DDS domain and which machines the node talks to: the ROS environment variables.
 
+use super::newcomer::Manners;
 use ros2_client::{Context, CreateError};
 use rustdds::DomainParticipantBuilder;
 use std::net::{IpAddr, Ipv4Addr};
@@ -85,11 +86,11 @@ impl Network {
         Ok(Self { domain, range })
     }
 
-    /// Joins. The socket buffers are RustDDS's own 8 MiB each way, as far as the kernel grants them.
+    /// Joins, with the manners that are due to those who are there. The socket buffers are RustDDS's own 8 MiB each way, as far as the kernel grants them.
     ///
     /// # Errors
     /// What DDS says where it cannot open its sockets.
-    pub fn join(self) -> Result<Context, CreateError> {
+    pub fn join(self) -> Result<(Context, Manners), CreateError> {
         let builder = DomainParticipantBuilder::new(self.domain);
         let builder = match self.range {
             DiscoveryRange::Subnet => builder,
@@ -98,7 +99,9 @@ impl Network {
                 .with_only_networks(Vec::<IpAddr>::new())
                 .same_host_loopback(false),
         };
-        Context::from_domain_participant(builder.build()?)
+        let participant = builder.build()?;
+        let manners = Manners::new(&participant);
+        Ok((Context::from_domain_participant(participant)?, manners))
     }
 }
 

@@ -4,6 +4,7 @@
 
 use super::calibrator::Answer;
 use super::messages::{Image, TriggerRequest, TriggerResponse};
+use super::newcomer::Newcomer;
 use super::parameter_services::{ParameterRequest, ParameterServices, requests, send, server};
 use super::parameter_store::ParameterStore;
 use super::publishers::{EntityError, Publishers, dds_name};
@@ -14,7 +15,7 @@ use super::worker::{Command, Reply, Worker, WorkerInbox};
 use futures::channel::mpsc;
 use futures::channel::oneshot;
 use futures::stream::{self, StreamExt};
-use ros2_client::{Context, MessageTypeName, Node, RmwRequestId, Server, Subscription};
+use ros2_client::{Context, MessageTypeName, RmwRequestId, Server, Subscription};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::JoinHandle;
@@ -88,7 +89,7 @@ impl Drop for Crew {
 /// Serves until the end is asked for; everything made here is gone when it returns.
 pub fn serve(
     context: &Context,
-    node: &mut Node,
+    node: &mut Newcomer,
     names: &Names,
     mut store: ParameterStore,
     asked_to_end: oneshot::Receiver<()>,
@@ -168,7 +169,10 @@ pub fn serve(
                 for parameter in taken {
                     tracing::info!("parameter {} was set", parameter.name);
                     // for /parameter_events; the value has been checked
-                    if let Err(reason) = node.set_parameter(&parameter.name, parameter.value) {
+                    if let Err(reason) = node
+                        .introduced()
+                        .set_parameter(&parameter.name, parameter.value)
+                    {
                         tracing::warn!("{reason}");
                     }
                 }
@@ -194,8 +198,9 @@ fn response(answer: Answer) -> TriggerResponse {
     TriggerResponse { success, message }
 }
 
-fn subscribe(node: &mut Node, topic: &str) -> Result<Subscription<Image>, NodeError> {
+fn subscribe(newcomer: &mut Newcomer, topic: &str) -> Result<Subscription<Image>, NodeError> {
     let kind = MessageTypeName::new("sensor_msgs", "Image");
+    let node = newcomer.node();
     let dds_topic = node.create_topic(&dds_name(topic)?, kind, &qos::frames())?;
     Ok(node.create_subscription(&dds_topic, Some(qos::frames()))?)
 }

@@ -2,6 +2,7 @@
 //!
 //! ros2-client has its own; these say what each parameter is for and where it must lie, and refuse with a reason.
 
+use super::newcomer::Newcomer;
 use super::parameter_store::ParameterStore;
 use super::publishers::{EntityError, dds_name};
 use super::qos;
@@ -14,7 +15,7 @@ use ros2_client::rcl_interfaces::{
     ListParametersResponse, SetParametersAtomicallyResponse, SetParametersRequest,
     SetParametersResponse,
 };
-use ros2_client::{Message, Node, RmwRequestId, Server, ServiceMapping, ServiceTypeName};
+use ros2_client::{Message, RmwRequestId, Server, ServiceMapping, ServiceTypeName};
 
 /// The servers.
 pub struct ParameterServices {
@@ -44,7 +45,7 @@ pub enum ParameterRequest {
 
 /// A server of a standard service.
 pub fn server<Req, Resp>(
-    node: &mut Node,
+    newcomer: &mut Newcomer,
     names: &Names,
     name: &str,
     (package, kind): (&str, &str),
@@ -53,7 +54,7 @@ where
     Req: Message + Clone + 'static,
     Resp: Message + 'static,
 {
-    Ok(node.create_server(
+    Ok(newcomer.node().create_server(
         ServiceMapping::Enhanced,
         &dds_name(&names.service(name)?)?,
         &ServiceTypeName::new(package, kind),
@@ -67,7 +68,7 @@ impl ParameterServices {
     ///
     /// # Errors
     /// [`EntityError`] for the first that cannot be made.
-    pub fn open(node: &mut Node, names: &Names) -> Result<Self, EntityError> {
+    pub fn open(node: &mut Newcomer, names: &Names) -> Result<Self, EntityError> {
         const PACKAGE: &str = "rcl_interfaces";
         Ok(Self {
             get: server(node, names, "~/get_parameters", (PACKAGE, "GetParameters"))?,

@@ -4,11 +4,12 @@ use super::messages::{
     CalibrationStatus, CameraInfo, CompressedImage, Header, Image, RingCentreArray,
 };
 use super::names::NameError;
+use super::newcomer::Newcomer;
 use super::pictures::Picture;
 use super::qos;
 use super::remap::Names;
 use super::settings::Settings;
-use ros2_client::{Context, CreateError, MessageTypeName, Name, Node, Publisher, QosProfile};
+use ros2_client::{Context, CreateError, MessageTypeName, Name, Publisher, QosProfile};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -48,7 +49,7 @@ struct Outlet<M: Serialize> {
 
 impl<M: Serialize> Outlet<M> {
     fn open(
-        node: &mut Node,
+        newcomer: &mut Newcomer,
         names: &Names,
         name: &str,
         kind: (&str, &str),
@@ -56,6 +57,7 @@ impl<M: Serialize> Outlet<M> {
     ) -> Result<Self, EntityError> {
         let topic = names.topic(name)?;
         let kind = MessageTypeName::new(kind.0, kind.1);
+        let node = newcomer.node();
         let dds_topic = node.create_topic(&dds_name(&topic)?, kind, &qos)?;
         let publisher = node.create_publisher(&dds_topic, Some(qos))?;
         Ok(Self { topic, publisher })
@@ -76,7 +78,7 @@ struct PictureOutlet {
 }
 
 impl PictureOutlet {
-    fn open(node: &mut Node, names: &Names, name: &str) -> Result<Self, EntityError> {
+    fn open(node: &mut Newcomer, names: &Names, name: &str) -> Result<Self, EntityError> {
         let raw = Outlet::open(node, names, name, ("sensor_msgs", "Image"), qos::pictures())?;
         // as image_transport: the name below the topic's own, remapped or not
         let base = format!("{}/compressed", raw.topic);
@@ -152,7 +154,7 @@ impl Publishers {
     ///
     /// # Errors
     /// [`EntityError`] for the first that cannot be made.
-    pub fn open(node: &mut Node, names: &Names) -> Result<Self, EntityError> {
+    pub fn open(node: &mut Newcomer, names: &Names) -> Result<Self, EntityError> {
         Ok(Self {
             centres: Outlet::open(
                 node,

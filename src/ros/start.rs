@@ -3,6 +3,7 @@
 use super::arguments::{ArgumentsError, ParameterSource, RosArguments};
 use super::logging::{self, Rosout};
 use super::network::{EnvironmentError, Network};
+use super::newcomer::Newcomer;
 use super::node::serve;
 use super::parameter_store::ParameterStore;
 use super::params_file::ParameterOverrides;
@@ -12,7 +13,7 @@ use super::remap::Names;
 use super::shutdown::asked_to_end;
 use crate::board::Board;
 use crate::source;
-use ros2_client::{CreateError, MessageTypeName, Node, NodeCreateError, NodeName, NodeOptions};
+use ros2_client::{CreateError, MessageTypeName, NodeCreateError, NodeName, NodeOptions};
 use std::path::{Path, PathBuf};
 use tracing::Level;
 
@@ -80,8 +81,10 @@ pub fn run<S: AsRef<str>>(arguments: impl IntoIterator<Item = S>) -> Result<(), 
     })
     .map_err(NodeError::Parameter)?;
     let asked_to_end = asked_to_end()?;
-    let context = network.join()?;
-    let mut node = context.new_node(node_name(&names)?, options(&store))?;
+    let (context, mut manners) = network.join()?;
+    manners.wait();
+    let node = context.new_node(node_name(&names)?, options(&store))?;
+    let mut node = Newcomer::new(node, manners);
     if !arguments.rosout_disabled {
         open_rosout(&mut node, &rosout)?;
     }
@@ -138,8 +141,9 @@ fn read_board(path: &Path) -> Result<Board, String> {
     source::read_board(path).map_err(|error| error.to_string())
 }
 
-fn open_rosout(node: &mut Node, rosout: &Rosout) -> Result<(), NodeError> {
+fn open_rosout(newcomer: &mut Newcomer, rosout: &Rosout) -> Result<(), NodeError> {
     let kind = MessageTypeName::new("rcl_interfaces", "Log");
+    let node = newcomer.node();
     let topic = node.create_topic(&dds_name("/rosout")?, kind, &qos::rosout())?;
     let publisher = node.create_publisher(&topic, Some(qos::rosout()))?;
     rosout.open(&node.fully_qualified_name(), publisher);

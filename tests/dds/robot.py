@@ -19,8 +19,6 @@ T = TypeVar("T")
 PATIENCE_S = 60.0
 # How often a frame is sent before it counts as ignored.
 ATTEMPTS = 12
-# How often a subscription that hears nothing is made anew.
-RESUBSCRIPTIONS = 2
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABLE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
@@ -76,19 +74,7 @@ class Camera:
         self._publisher = robot.node.create_publisher(Image, topic, qos)
         self._frames = 0
         robot.until(lambda: self._publisher.get_subscription_count() == 1, f"a subscriber of {topic}")
-        self._hear_status()
-
-    def _hear_status(self) -> None:
-        """Waits for the first status. Once in hundreds of runs discovery matches a subscription on one side only; it is
-        made anew then, as a person would who sees an empty `ros2 topic echo`."""
-        for _ in range(RESUBSCRIPTIONS):
-            try:
-                self.robot.until(lambda: self.statuses, "a status", PATIENCE_S / (RESUBSCRIPTIONS + 1))
-                return
-            except AssertionError:
-                print(f"nothing heard on {self.node}/status: subscribing anew")
-                self.statuses = self.robot.listen(CalibrationStatus, f"{self.node}/status", LATCHED)
-        self.robot.until(lambda: self.statuses, f"the first status of {self.node}")
+        robot.until(lambda: self.statuses, f"the first status of {node}")
 
     def image(self, pixels: np.ndarray, frame_id: str = "camera", encoding: str = "mono8") -> Image:
         """A message with a stamp of its own."""

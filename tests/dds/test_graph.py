@@ -5,8 +5,10 @@ from rclpy.qos import QoSProfile
 
 from conftest import Start
 from ringcal_process import RingcalProcess
-from robot import BEST_EFFORT, RELIABLE, Camera, Robot
+from robot import BEST_EFFORT, LATCHED, RELIABLE, Camera, Robot
 from sequence import Sequence
+
+from ringcal.msg import CalibrationStatus
 
 TRIGGERS = ("calibrate", "reset", "save")
 PARAMETER_SERVICES = (
@@ -77,3 +79,12 @@ def test_two_nodes_under_their_own_names_hear_their_own_cameras(start: Start, ro
     robot.until(lambda: "/cameras/right" in heard(), "the second node's subscription")
     assert "/right/image" not in heard()
     assert robot.trigger("/right/eye/reset").success
+
+
+def test_nodes_started_at_the_same_moment_are_all_heard(start: Start, robot: Robot) -> None:
+    namespaces = [f"/crowd{i}" for i in range(4)]
+    statuses = [robot.listen(CalibrationStatus, f"{namespace}/ringcal/status", LATCHED) for namespace in namespaces]
+    for namespace in namespaces:
+        start("-r", f"__ns:={namespace}")
+    robot.until(lambda: all(statuses), "a status of every node")
+    robot.until(lambda: all(robot.knows("ringcal", namespace) for namespace in namespaces), "every node in the graph")

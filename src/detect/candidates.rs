@@ -6,6 +6,7 @@ use super::ellipse_fit::fit_ellipse;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Level;
 use nalgebra::{Matrix2, Point2, Vector2};
+use rayon::prelude::*;
 
 /// Rays from the patch's centre.
 const RAYS: usize = 32;
@@ -15,14 +16,15 @@ const LEAST_RAYS: f64 = 0.7;
 const LEAST_AREA: f64 = 5.0;
 /// Patches larger than this are seen better one level up, px of the level.
 const MOST_AREA: f64 = 2400.0;
+/// At most so many patches of a level are looked at, so that texture costs no more than a full board.
+const MOST_PATCHES: usize = 2048;
 /// Steps along a ray, in units of the patch's own radius.
 const STEP: f64 = 0.1;
 
 /// All rings that show at one level, in frame pixels. `ratio` is the board's inner over outer radius.
 pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingEllipses> {
-    blobs(band, Side::Light)
-        .iter()
-        .filter(|blob| is_compact(blob))
+    compact(band, Side::Light)
+        .par_iter()
         .filter_map(|blob| surrounded(band, blob, ratio))
         .map(|ring| RingEllipses {
             inner: to_frame(&ring.inner, level),
@@ -33,9 +35,8 @@ pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingE
 
 /// All dark patches that may be rings whose inner disc the blur has drowned: their outlines in frame pixels.
 pub(super) fn disc_candidates(band: &BandPass, level: Level) -> Vec<Ellipse> {
-    blobs(band, Side::Dark)
-        .iter()
-        .filter(|blob| is_compact(blob))
+    compact(band, Side::Dark)
+        .par_iter()
         .filter_map(|blob| outline(band, blob))
         .map(|outline| to_frame(&outline, level))
         .collect()
@@ -60,6 +61,24 @@ fn outline(band: &BandPass, blob: &Blob) -> Option<Ellipse> {
         .collect();
     let enough = points.len() as f64 >= LEAST_RAYS * RAYS as f64;
     enough.then(|| fit_ellipse(&points))?.map(|fit| fit.ellipse)
+}
+
+/// The compact patches of a level; where there are too many, those that stand out most, in the order in which they were found.
+fn compact(band: &BandPass, side: Side) -> Vec<Blob> {
+    let mut compact = blobs(band, side);
+    compact.retain(is_compact);
+    if compact.len() > MOST_PATCHES {
+        let height = |blob: &Blob| {
+            let middle = band.plane.bilinear(blob.centre.x, blob.centre.y);
+            middle.unwrap_or(0.0).abs()
+        };
+        let mut heights: Vec<f32> = compact.iter().map(height).collect();
+        let at = compact.len() - MOST_PATCHES;
+        let least = *heights.select_nth_unstable_by(at, f32::total_cmp).1;
+        compact.retain(|blob| height(blob) >= least);
+        compact.truncate(MOST_PATCHES);
+    }
+    compact
 }
 
 fn is_compact(blob: &Blob) -> bool {

@@ -93,10 +93,9 @@ impl Detector {
         if self.board.is_single() {
             return find_single(frame, &self.board, &self.options, sign);
         }
-        let ratio = self.board.radius_ratio();
-        let rings = find_rings(frame, sign, ratio);
+        let rings = find_rings(frame, &self.board, sign);
         let placed = find_grid(frame, &self.board, &rings, sign).or_else(|_| {
-            let all = add_drowned(frame, rings, sign, ratio);
+            let all = add_drowned(frame, &self.board, rings, sign);
             find_grid(frame, &self.board, &all, sign)
         })?;
         let (rings, photometric) = sure_centres(frame, &self.board, placed, &self.options, sign)?;

@@ -38,7 +38,8 @@ pub(super) fn find_grid(
         return Err(Miss::NoRing);
     }
     let spacing = board.pitch_m() / board.outer_radius_m();
-    let Some(lattice) = lattices(rings, spacing).into_iter().next() else {
+    let outers: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
+    let Some(lattice) = lattices(&outers, spacing).into_iter().next() else {
         return Err(too_few_or_no_grid(board, rings.len()));
     };
     let mut measured = Measured::new(frame, board, rings, sign, lattice);

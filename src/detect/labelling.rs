@@ -3,8 +3,9 @@
 //! Every ring carries a scale of its own: in the coordinates in which its outer ellipse is the unit circle, its
 //! neighbours stand at pitch over outer radius, at right angles, whatever the view.
 
+use super::nearby::Nearby;
 use super::places::Places;
-use super::ring_fit::RingFit;
+use crate::centre::Ellipse;
 use nalgebra::{Matrix2, Point2, Vector2};
 use std::collections::{BTreeMap, VecDeque};
 
@@ -33,12 +34,13 @@ pub(super) struct Lattice {
     pub(super) places: Places,
 }
 
-/// The lattices that the rings form, largest first; each ring is in at most one. `spacing` is pitch over outer radius.
-pub(super) fn lattices(rings: &[RingFit], spacing: f64) -> Vec<Lattice> {
-    let nodes: Vec<Node> = rings.iter().map(Node::of).collect();
-    let mut free = vec![true; nodes.len()];
+/// The lattices that rings form, given by their outer ellipses: largest first; each ring is in at most one. `spacing` is pitch over
+/// outer radius.
+pub(super) fn lattices(outers: &[Ellipse], spacing: f64) -> Vec<Lattice> {
+    let nodes = Nodes::of(outers);
+    let mut free = vec![true; outers.len()];
     let mut found = Vec::new();
-    for seed in 0..nodes.len() {
+    for seed in 0..outers.len() {
         if !free[seed] {
             continue;
         }
@@ -59,36 +61,61 @@ pub(super) fn lattices(rings: &[RingFit], spacing: f64) -> Vec<Lattice> {
 /// A ring's place and the map to the coordinates in which its outer ellipse is the unit circle.
 struct Node {
     centre: Point2<f64>,
+    major_px: f64,
     to_unit: Matrix2<f64>,
 }
 
 impl Node {
-    fn of(ring: &RingFit) -> Self {
-        let outer = &ring.outer;
+    fn of(outer: &Ellipse) -> Self {
         let (sin, cos) = outer.angle.sin_cos();
         let turn = Matrix2::new(cos, sin, -sin, cos);
         let shrink = Matrix2::new(1.0 / outer.major, 0.0, 0.0, 1.0 / outer.minor);
         Self {
             centre: outer.centre,
+            major_px: outer.major,
             to_unit: turn.transpose() * shrink * turn,
         }
     }
 }
 
+/// All rings, and which are near which.
+struct Nodes {
+    all: Vec<Node>,
+    nearby: Nearby,
+}
+
+impl Nodes {
+    fn of(outers: &[Ellipse]) -> Self {
+        Self {
+            all: outers.iter().map(Node::of).collect(),
+            nearby: Nearby::new(outers.iter().map(|outer| outer.centre)),
+        }
+    }
+
+    /// The nearest usable ring less than `tolerance_px` from a place.
+    fn nearest(
+        &self,
+        place: Point2<f64>,
+        tolerance_px: f64,
+        usable: impl Fn(usize) -> bool,
+    ) -> Option<usize> {
+        self.nearby
+            .within(place, tolerance_px)
+            .filter(|&(i, _)| usable(i))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(i, _)| i)
+    }
+}
+
 /// Labels reached from a seed by steps that the seed's two axes predict and the walk updates.
-fn grow(
-    nodes: &[Node],
-    free: &[bool],
-    seed: usize,
-    spacing: f64,
-) -> Option<BTreeMap<Label, usize>> {
+fn grow(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<BTreeMap<Label, usize>> {
     let axes = seed_axes(nodes, free, seed, spacing)?;
     let mut members = BTreeMap::from([((0, 0), seed)]);
-    let mut taken = vec![false; nodes.len()];
+    let mut taken = vec![false; nodes.all.len()];
     taken[seed] = true;
     let mut queue = VecDeque::from([((0, 0), axes)]);
     while let Some((label, axes)) = queue.pop_front() {
-        let here = nodes[members[&label]].centre;
+        let here = nodes.all[members[&label]].centre;
         for (axis, direction) in [(0, 1), (0, -1), (1, 1), (1, -1)] {
             let next = if axis == 0 {
                 (label.0 + direction, label.1)
@@ -100,13 +127,13 @@ fn grow(
             if members.contains_key(&next) {
                 continue;
             }
-            let Some(at) = nearest(nodes, here + step, WALK_TOLERANCE * step.norm(), usable) else {
+            let Some(at) = nodes.nearest(here + step, WALK_TOLERANCE * step.norm(), usable) else {
                 continue;
             };
             taken[at] = true;
             members.insert(next, at);
             let mut moved = axes;
-            moved[axis] = (nodes[at].centre - here) * f64::from(direction);
+            moved[axis] = (nodes.all[at].centre - here) * f64::from(direction);
             queue.push_back((next, moved));
         }
     }
@@ -114,19 +141,14 @@ fn grow(
 }
 
 /// The two neighbours of a seed that stand best at a right angle, as steps of the column and of the row.
-fn seed_axes(
-    nodes: &[Node],
-    free: &[bool],
-    seed: usize,
-    spacing: f64,
-) -> Option<[Vector2<f64>; 2]> {
+fn seed_axes(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<[Vector2<f64>; 2]> {
     let range = NEIGHBOUR.0 * spacing..NEIGHBOUR.1 * spacing;
-    let here = &nodes[seed];
+    let here = &nodes.all[seed];
     let neighbours: Vec<(Vector2<f64>, Vector2<f64>)> = nodes
-        .iter()
-        .enumerate()
+        .nearby
+        .within(here.centre, range.end * here.major_px)
         .filter(|&(i, _)| i != seed && free[i])
-        .map(|(_, node)| (node, node.centre - here.centre))
+        .map(|(i, _)| (&nodes.all[i], nodes.all[i].centre - here.centre))
         .filter(|(node, step)| {
             range.contains(&(here.to_unit * step).norm())
                 && range.contains(&(node.to_unit * step).norm())
@@ -151,23 +173,26 @@ fn seed_axes(
 }
 
 /// Learns where the labels lie, drops the rings that disagree with the others and adds those that are expected.
-fn settle(nodes: &[Node], free: &[bool], mut members: BTreeMap<Label, usize>) -> Option<Lattice> {
+fn settle(nodes: &Nodes, free: &[bool], mut members: BTreeMap<Label, usize>) -> Option<Lattice> {
     let mut places = places(nodes, &members)?;
     for _ in 0..8 {
         let before = members.clone();
         members.retain(|&label, &mut at| {
             places.expect(label).is_some_and(|place| {
-                (nodes[at].centre - place.at).norm() < FIT_TOLERANCE * place.step_px()
+                (nodes.all[at].centre - place.at).norm() < FIT_TOLERANCE * place.step_px()
             })
         });
         places = self::places(nodes, &members)?;
+        let mut taken = vec![false; nodes.all.len()];
+        members.values().for_each(|&at| taken[at] = true);
         for label in around(&members) {
             let Some(place) = places.expect(label) else {
                 continue;
             };
-            let usable = |i: usize| free[i] && !members.values().any(|&m| m == i);
+            let usable = |i: usize| free[i] && !taken[i];
             let tolerance_px = FIT_TOLERANCE * place.step_px();
-            if let Some(at) = nearest(nodes, place.at, tolerance_px, usable) {
+            if let Some(at) = nodes.nearest(place.at, tolerance_px, usable) {
+                taken[at] = true;
                 members.insert(label, at);
             }
         }
@@ -179,11 +204,11 @@ fn settle(nodes: &[Node], free: &[bool], mut members: BTreeMap<Label, usize>) ->
     Some(Lattice { members, places })
 }
 
-fn places(nodes: &[Node], members: &BTreeMap<Label, usize>) -> Option<Places> {
+fn places(nodes: &Nodes, members: &BTreeMap<Label, usize>) -> Option<Places> {
     Places::fit(
         members
             .iter()
-            .map(|(&label, &at)| (label, nodes[at].centre)),
+            .map(|(&label, &at)| (label, nodes.all[at].centre)),
     )
 }
 
@@ -207,18 +232,4 @@ pub(super) fn extent(labels: impl Iterator<Item = Label>) -> ((i32, i32), (i32, 
             )
         },
     )
-}
-
-fn nearest(
-    nodes: &[Node],
-    place: Point2<f64>,
-    tolerance_px: f64,
-    usable: impl Fn(usize) -> bool,
-) -> Option<usize> {
-    (0..nodes.len())
-        .filter(|&i| usable(i))
-        .map(|i| (i, (nodes[i].centre - place).norm()))
-        .filter(|&(_, distance)| distance < tolerance_px)
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(i, _)| i)
 }

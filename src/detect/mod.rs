@@ -10,6 +10,7 @@ mod edges;
 mod ellipse_fit;
 mod grid;
 mod labelling;
+mod nearby;
 mod orientation;
 mod outermost;
 mod patch;

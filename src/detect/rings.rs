@@ -2,46 +2,55 @@
 
 use super::band_pass::BandPass;
 use super::candidates::{candidates, disc_candidates};
+use super::labelling::lattices;
+use super::nearby::Nearby;
 use super::ring_fit::{RingFit, measure, measure_disc};
-use crate::centre::Ellipse;
+use crate::board::Board;
+use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::{Frame, Level, Pixels, half, half_of_frame};
 use rayon::prelude::*;
 
 /// Levels whose shorter side is below this hold no ring that a lower level has not shown, px.
 const LEAST_SIDE_PX: usize = 24;
 
-/// Every ring that shows in the frame, each once, in no particular order but always the same. `sign` is 1 for dark
-/// rings, -1 for light ones; `ratio` the board's inner over outer radius.
-pub(super) fn find_rings(frame: &Frame, sign: f64, ratio: f64) -> Vec<RingFit> {
-    let mut measured: Vec<RingFit> = Vec::new();
-    for rough in over_levels(frame, sign, |band, level| candidates(band, level, ratio)) {
-        // most rings show at two or three levels: once is enough
-        let new: Vec<RingFit> = rough
-            .par_iter()
-            .filter(|ring| {
-                !measured
-                    .iter()
-                    .any(|known| is_same(&known.outer, &ring.outer))
-            })
-            .filter_map(|ring| measure(frame, ring, sign, ratio))
-            .collect();
-        measured.extend(new);
-    }
+/// At most so many candidates are measured, or this many times the rings of the board: whatever a frame shows, that many are a
+/// matter of milliseconds.
+const MOST_MEASURED: usize = 256;
+const MOST_PER_RING: usize = 4;
+
+/// Every ring of dark or light (`sign` 1 or -1) that shows in the frame, each once, in no particular order but always the same.
+/// Where the frame shows more candidates than can be measured, those that stand in a lattice as the board's go first.
+pub(super) fn find_rings(frame: &Frame, board: &Board, sign: f64) -> Vec<RingFit> {
+    let ratio = board.radius_ratio();
+    let spots = spots(over_levels(frame, sign, |band, level| {
+        candidates(band, level, ratio)
+    }));
+    let outers: Vec<Ellipse> = spots.iter().map(|spot| spot[0].outer).collect();
+    let measured = first_to_measure(board, &outers)
+        .into_par_iter()
+        .filter_map(|at| {
+            spots[at]
+                .iter()
+                .find_map(|rough| measure(frame, rough, sign, ratio))
+        })
+        .collect();
     distinct(measured)
 }
 
 /// The rings given and, where none of them is, discs so blurred that they may be rings whose inner disc has drowned.
 pub(super) fn add_drowned(
     frame: &Frame,
+    board: &Board,
     rings: Vec<RingFit>,
     sign: f64,
-    ratio: f64,
 ) -> Vec<RingFit> {
-    let rough = over_levels(frame, sign, disc_candidates);
-    let discs: Vec<RingFit> = rough
-        .concat()
-        .par_iter()
-        .filter_map(|outline| measure_disc(frame, outline, sign, ratio))
+    let ratio = board.radius_ratio();
+    let mut outlines: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
+    outlines.extend(over_levels(frame, sign, disc_candidates).concat());
+    let discs: Vec<RingFit> = first_to_measure(board, &outlines)
+        .into_par_iter()
+        .filter(|&at| at >= rings.len())
+        .filter_map(|at| measure_disc(frame, &outlines[at], sign, ratio))
         .collect();
     let mut all = rings;
     for disc in distinct(discs) {
@@ -50,6 +59,48 @@ pub(super) fn add_drowned(
         }
     }
     all
+}
+
+/// The candidates of all levels, those of one ring together: most rings show at two or three levels.
+fn spots(levels: Vec<Vec<RingEllipses>>) -> Vec<Vec<RingEllipses>> {
+    let mut spots: Vec<Vec<RingEllipses>> = Vec::new();
+    for level in levels {
+        let known = Nearby::new(spots.iter().map(|spot| spot[0].outer.centre));
+        for ring in level {
+            let mut near = known.within(ring.outer.centre, SAME_PLACE * ring.outer.major);
+            let same = near.find(|&(at, _)| is_same(&spots[at][0].outer, &ring.outer));
+            match same {
+                Some((at, _)) => spots[at].push(ring),
+                None => spots.push(vec![ring]),
+            }
+        }
+    }
+    spots
+}
+
+/// Which candidates are to be measured: those of lattices, the fullest first, then the largest.
+fn first_to_measure(board: &Board, outers: &[Ellipse]) -> Vec<usize> {
+    let most = MOST_MEASURED.max(MOST_PER_RING * board.ring_count());
+    if outers.len() <= most {
+        return (0..outers.len()).collect();
+    }
+    let mut order: Vec<usize> = if board.is_single() {
+        Vec::new()
+    } else {
+        let spacing = board.pitch_m() / board.outer_radius_m();
+        let lattices = lattices(outers, spacing).into_iter();
+        lattices
+            .flat_map(|lattice| lattice.members.into_values())
+            .collect()
+    };
+    let mut chosen = vec![false; outers.len()];
+    order.iter().for_each(|&at| chosen[at] = true);
+    let mut rest: Vec<usize> = (0..outers.len()).filter(|&at| !chosen[at]).collect();
+    let area = |at: usize| outers[at].major * outers[at].minor;
+    rest.sort_by(|&a, &b| area(b).total_cmp(&area(a)));
+    order.extend(rest);
+    order.truncate(most);
+    order
 }
 
 /// What `find` sees at every level of the frame's pyramid, level by level.

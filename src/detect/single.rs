@@ -28,9 +28,9 @@ pub(super) fn find_single(
     sign: f64,
 ) -> Result<Detection, Miss> {
     let ratio = board.radius_ratio();
-    let mut rings = find_rings(frame, sign, ratio);
+    let mut rings = find_rings(frame, board, sign);
     if rings.is_empty() {
-        rings = add_drowned(frame, rings, sign, ratio);
+        rings = add_drowned(frame, board, rings, sign);
     }
     let size = |r: &RingFit| r.contrast * r.outer.major * r.outer.minor;
     rings.sort_by(|a, b| size(b).total_cmp(&size(a)));

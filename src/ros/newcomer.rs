@@ -18,7 +18,7 @@ const ACQUAINTANCE: Duration = Duration::from_millis(250);
 const FIRST_ANNOUNCEMENT: Duration = Duration::from_millis(100);
 
 /// How much before its announcement a topic must be told.
-const MARGIN: Duration = Duration::from_millis(40);
+const MARGIN: Duration = Duration::from_millis(60);
 
 /// No crowd of others keeps the node waiting longer.
 const PATIENCE: Duration = Duration::from_secs(3);

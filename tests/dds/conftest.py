@@ -38,7 +38,10 @@ def domain(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("ROS_HOME", str(tmp_path_factory.mktemp("ros_home")))
         patch.delenv("ROS_LOCALHOST_ONLY", raising=False)
         rclpy.init()
+        # as long as there is a node, Fast DDS keeps its participant: the robot is there before the nodes under test
+        keeper = rclpy.create_node("keeper")
         yield
+        keeper.destroy_node()
         rclpy.shutdown()
 
 

@@ -165,6 +165,7 @@ pub fn detection(
         rings,
         homography: matrix * motion,
         photometric: None,
+        another: None,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
-use crate::detect::DetectOptions;
+use crate::detect::{DetectOptions, Required};
 
 /// The options of a command that measures centres.
 #[derive(Debug, Clone, Copy, clap::Args)]
@@ -22,6 +22,10 @@ pub struct Measuring {
         allow_negative_numbers = true
     )]
     response_gamma: ResponseGamma,
+    /// How many rings of the board must be seen; 0: one in every row and column, and 60 % of all. With fewer rows or columns the
+    /// numbers begin at the first that were seen (indices relative).
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    required_rings: u16,
 }
 
 impl Measuring {
@@ -31,6 +35,7 @@ impl Measuring {
             estimator: self.estimator,
             psf: self.psf,
             response_gamma: self.response_gamma,
+            required: Required::rings(usize::from(self.required_rings)),
             camera: None,
         }
     }

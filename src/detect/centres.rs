@@ -128,7 +128,7 @@ fn photometric(
             Ok(ring) if is_expected(&places[i], &ring) => {
                 rings.extend(of_measured(at[i], ring, board.radius_ratio()));
             }
-            Ok(_) => {}
+            Ok(_) | Err(RingError::Covered { .. }) => {}
             Err(reason) => {
                 rings.extend(
                     placed
@@ -190,8 +190,12 @@ fn unseen(frame: &Frame, board: &Board, placed: &[Placed]) -> Vec<((u16, u16), B
     let Some(homography) = fit_homography(&pairs) else {
         return Vec::new();
     };
-    let labels = (0..board.rows()).flat_map(|row| (0..board.columns()).map(move |c| (row, c)));
+    // numbers that begin at the first row seen say nothing of rows beyond the last
+    let last = |of: fn(&Placed) -> u16| placed.iter().map(of).max().unwrap_or(0);
+    let (last_row, last_column) = (last(|ring| ring.row), last(|ring| ring.column));
+    let labels = board.indices();
     labels
+        .filter(|&(row, column)| row <= last_row && column <= last_column)
         .filter(|&(row, column)| {
             !placed
                 .iter()

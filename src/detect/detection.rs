@@ -100,9 +100,23 @@ pub struct Detection {
     pub homography: Matrix3<f64>,
     /// What the photometric estimator says; `None` where another one was asked for.
     pub photometric: Option<Measured>,
+    /// Rings of another board of this kind in the frame, which was left out as it looks smaller.
+    pub another: Option<usize>,
 }
 
 impl Detection {
+    /// What a person wants to know of it, a plain sentence each.
+    pub fn notes(&self) -> Vec<String> {
+        let another = self.another.map(|rings| {
+            format!("warning: another board is in view ({rings} rings); the one that looks larger was taken")
+        });
+        let measured = self.photometric.as_ref().map(Measured::notes);
+        another
+            .into_iter()
+            .chain(measured.unwrap_or_default())
+            .collect()
+    }
+
     /// Median blur of the rings, px.
     pub fn blur_sigma_px(&self) -> f64 {
         let mut sigmas: Vec<f64> = self.rings.iter().map(|r| r.blur_sigma_px).collect();
@@ -131,10 +145,44 @@ pub enum Miss {
     /// Nothing in the frame looks like a ring.
     #[error("no ring seen")]
     NoRing,
+    /// Hardly any light.
+    #[error(
+        "too dark: the brightest grey value is {brightest} of {full}; more light or a longer exposure is needed"
+    )]
+    TooDark {
+        /// The brightest grey value, but for a few pixels.
+        brightest: u16,
+        /// The greatest there can be.
+        full: u16,
+    },
+    /// White all over.
+    #[error(
+        "over-exposed: {percent} % of the image is white; less light or a shorter exposure is needed"
+    )]
+    OverExposed {
+        /// Of all pixels, those at the end of the scale.
+        percent: u8,
+    },
+    /// One grey.
+    #[error("hardly any contrast: all grey values are between {darkest} and {brightest}")]
+    NoContrast {
+        /// The darkest grey value, but for a few pixels.
+        darkest: u16,
+        /// The brightest grey value, but for a few pixels.
+        brightest: u16,
+    },
     /// Rings, but fewer than the board has.
     #[error("too few rings: {found} of {expected}")]
     TooFewRings {
         /// Rings that stand in a grid, or all where no grid was found.
+        found: usize,
+        /// Rings of the board.
+        expected: usize,
+    },
+    /// A part of the board outside the frame.
+    #[error("too few rings: {found} of {expected}; the board reaches beyond the image's border")]
+    CutOff {
+        /// Rings that stand in a grid.
         found: usize,
         /// Rings of the board.
         expected: usize,

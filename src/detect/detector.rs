@@ -1,9 +1,11 @@
 //! The detector: a board and how to look for it.
 
 use super::centres::board_homography;
-use super::detection::{Detection, Indices, Miss, Ring};
+use super::detection::{Detection, Miss, Ring};
 use super::grid::find_grid;
+use super::light::bad_light;
 use super::outermost::sure_centres;
+use super::required::Required;
 use super::rings::{add_drowned, find_rings};
 use super::single::find_single;
 use crate::board::{Board, Polarity};
@@ -21,6 +23,8 @@ pub struct DetectOptions {
     pub psf: PsfChoice,
     /// How the frame's grey values follow the light; only the photometric estimator asks.
     pub response_gamma: ResponseGamma,
+    /// How much of the board must be seen.
+    pub required: Required,
     /// The camera, where it is calibrated already: it gives the photometric estimator the perspective of each ring. Its
     /// size must be that of the frames.
     pub camera: Option<Camera>,
@@ -70,6 +74,11 @@ impl Detector {
                 columns,
             });
         }
+        self.detect_polarity(frame)
+            .map_err(|miss| explained(miss, frame))
+    }
+
+    fn detect_polarity(&self, frame: &Frame) -> Result<Detection, Miss> {
         match self.board.polarity() {
             Polarity::DarkOnLight => self.detect_sign(frame, 1.0),
             Polarity::LightOnDark => self.detect_sign(frame, -1.0),
@@ -94,11 +103,13 @@ impl Detector {
             return find_single(frame, &self.board, &self.options, sign);
         }
         let rings = find_rings(frame, &self.board, sign);
-        let placed = find_grid(frame, &self.board, &rings, sign).or_else(|_| {
+        let required = self.options.required;
+        let grid = find_grid(frame, &self.board, &rings, sign, required).or_else(|_| {
             let all = add_drowned(frame, &self.board, rings, sign);
-            find_grid(frame, &self.board, &all, sign)
+            find_grid(frame, &self.board, &all, sign, required)
         })?;
-        let (rings, photometric) = sure_centres(frame, &self.board, placed, &self.options, sign)?;
+        let (indices, another) = (grid.indices, grid.another);
+        let (rings, photometric) = sure_centres(frame, &self.board, grid, &self.options, sign)?;
         if photometric.is_some() {
             are_rings(&rings)?;
         }
@@ -110,11 +121,26 @@ impl Detector {
         Ok(Detection {
             width: frame.width(),
             height: frame.height(),
-            indices: Indices::Absolute,
+            indices,
             rings,
             homography,
             photometric,
+            another,
         })
+    }
+}
+
+/// A miss in bad light is a miss because of it, unless most rings were seen.
+fn explained(miss: Miss, frame: &Frame) -> Miss {
+    let light_is_to_blame = match miss {
+        Miss::NoRing | Miss::NoGrid { .. } => true,
+        Miss::TooFewRings { found, expected } => 2 * found < expected,
+        _ => false,
+    };
+    if light_is_to_blame {
+        bad_light(frame).unwrap_or(miss)
+    } else {
+        miss
     }
 }
 

@@ -1,17 +1,16 @@
 //! The board in a lattice: which rings are which, the missing ones looked for where they must be, the verdict.
 
-use super::detection::Miss;
+use super::detection::{Indices, Miss};
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::orientation::{Numbering, choose};
 use super::places::Places;
 use super::plausible::is_plausible;
+use super::required::Required;
 use super::ring_fit::{RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
 
-/// Fraction of the board's rings that must be found, besides one in every row and column.
-const LEAST_FOUND: f64 = 0.6;
 /// A ring this much smaller or larger (logarithm) than the board says is seen with its contrast inverted.
 const ALIKE: f64 = 0.25;
 /// A lattice as full as this shows its true extent.
@@ -27,24 +26,55 @@ pub(super) struct Placed {
     pub(super) blur_sigma_px: f64,
 }
 
-/// Finds the board among the rings of a frame: every ring found, (row, column) each once, by row, then column.
+/// A board found.
+pub(super) struct Grid {
+    /// Every ring found, (row, column) each once, by row, then column.
+    pub(super) rings: Vec<Placed>,
+    pub(super) indices: Indices,
+    /// Rings of another board in the same frame.
+    pub(super) another: Option<usize>,
+}
+
+/// Finds the board among the rings of a frame: of several the one that looks largest.
 pub(super) fn find_grid(
     frame: &Frame,
     board: &Board,
     rings: &[RingFit],
     sign: f64,
-) -> Result<Vec<Placed>, Miss> {
+    required: Required,
+) -> Result<Grid, Miss> {
     if rings.is_empty() {
         return Err(Miss::NoRing);
     }
     let spacing = board.pitch_m() / board.outer_radius_m();
     let outers: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
-    let Some(lattice) = lattices(&outers, spacing).into_iter().next() else {
+    let lattices = lattices(&outers, spacing);
+    // a board that is less than half seen is no second one
+    let boards = lattices
+        .iter()
+        .filter(|lattice| 2 * lattice.members.len() >= board.ring_count());
+    let another = boards.clone().map(|l| l.members.len()).nth(1);
+    let largest = boards.max_by(|a, b| size_px(a, &outers).total_cmp(&size_px(b, &outers)));
+    let Some(lattice) = largest.or(lattices.first()) else {
         return Err(too_few_or_no_grid(board, rings.len()));
     };
     let mut measured = Measured::new(frame, board, rings, sign, lattice);
     measured.complete();
-    measured.verdict()
+    let (rings, indices) = measured.verdict(required)?;
+    Ok(Grid {
+        rings,
+        indices,
+        another,
+    })
+}
+
+/// Mean size of a lattice's rings, px.
+fn size_px(lattice: &Lattice, outers: &[Ellipse]) -> f64 {
+    let sizes = lattice
+        .members
+        .values()
+        .map(|&at| (outers[at].major * outers[at].minor).sqrt());
+    sizes.sum::<f64>() / lattice.members.len() as f64
 }
 
 fn too_few_or_no_grid(board: &Board, found: usize) -> Miss {
@@ -77,7 +107,7 @@ impl<'a> Measured<'a> {
         board: &'a Board,
         rings: &[RingFit],
         sign: f64,
-        lattice: Lattice,
+        lattice: &Lattice,
     ) -> Self {
         let rings = lattice
             .members
@@ -89,7 +119,7 @@ impl<'a> Measured<'a> {
             board,
             sign,
             rings,
-            places: lattice.places,
+            places: lattice.places.clone(),
         }
     }
 
@@ -187,7 +217,7 @@ impl<'a> Measured<'a> {
         Some(ellipses)
     }
 
-    fn verdict(self) -> Result<Vec<Placed>, Miss> {
+    fn verdict(self, required: Required) -> Result<(Vec<Placed>, Indices), Miss> {
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let found = self.rings.len();
         let Some(numbering) = self.numbering() else {
@@ -224,17 +254,16 @@ impl<'a> Measured<'a> {
             })
             .collect();
         rings.sort_by_key(|ring| (ring.row, ring.column));
-        let every_row = (0..rows).all(|r| rings.iter().any(|ring| ring.row == r));
-        let every_column = (0..columns).all(|c| rings.iter().any(|ring| ring.column == c));
-        let enough = rings.len() as f64 >= LEAST_FOUND * self.board.ring_count() as f64;
-        if every_row && every_column && enough {
-            Ok(rings)
-        } else {
-            Err(Miss::TooFewRings {
-                found: rings.len(),
-                expected: self.board.ring_count(),
-            })
+        if let Some(indices) = required.judge(self.board, &mut rings) {
+            return Ok((rings, indices));
         }
+        let (found, expected) = (rings.len(), self.board.ring_count());
+        let (columns, rows) = extent(self.rings.keys().map(|&l| numbering.of(l)));
+        Err(if self.is_cut_off(numbering, columns, rows) {
+            Miss::CutOff { found, expected }
+        } else {
+            Miss::TooFewRings { found, expected }
+        })
     }
 
     /// Rows and columns seen, where the lattice is nearly full and does not have the board's size, and is not merely cut

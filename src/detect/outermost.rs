@@ -6,9 +6,9 @@
 //! with about their contrast and blur. If they do not, the grid is tried one step to the other side.
 
 use super::centres::centres;
-use super::detection::{Measured, Miss, Ring};
+use super::detection::{Indices, Measured, Miss, Ring};
 use super::detector::DetectOptions;
-use super::grid::Placed;
+use super::grid::{Grid, Placed};
 use crate::board::Board;
 use crate::centre::Estimator;
 use crate::frame::Frame;
@@ -100,10 +100,15 @@ impl Line {
 pub(super) fn sure_centres(
     frame: &Frame,
     board: &Board,
-    placed: Vec<Placed>,
+    grid: Grid,
     options: &DetectOptions,
     sign: f64,
 ) -> Result<(Vec<Ring>, Option<Measured>), Miss> {
+    let placed = grid.rings;
+    if grid.indices == Indices::Relative {
+        // where the board ends is not known anyway
+        return Ok(centres(frame, board, &placed, options, sign));
+    }
     let doubtful = |placed: &[Placed]| -> Vec<Line> {
         let lines = Line::ALL.into_iter();
         lines

@@ -173,5 +173,6 @@ fn detection(frame: &Frame, board: &Board, ring: Ring, photometric: Option<Measu
         homography: Matrix3::new(scale, 0.0, x, 0.0, scale, y, 0.0, 0.0, 1.0),
         rings: vec![ring],
         photometric,
+        another: None,
     }
 }

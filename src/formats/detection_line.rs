@@ -1,6 +1,6 @@
 //! One line of `ringcal detect`: JSON for programs, text for people.
 
-use crate::detect::{Detection, Measured, Ring};
+use crate::detect::{Detection, Ring};
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -77,11 +77,7 @@ impl DetectionLine {
             elapsed_ms: Some(elapsed_ms),
             points: detection.rings.iter().map(PointLine::from).collect(),
             reason: None,
-            notes: detection
-                .photometric
-                .as_ref()
-                .map(Measured::notes)
-                .unwrap_or_default(),
+            notes: detection.notes(),
         }
     }
 

@@ -10,7 +10,7 @@ use super::settings::Settings;
 use crate::board::Board;
 use crate::calibrate::{CalibrateOptions, Calibration};
 use crate::camera::Camera;
-use crate::detect::{Detection, Indices, Measured};
+use crate::detect::{Detection, Indices};
 use crate::session::{Session, View};
 use std::time::Duration;
 
@@ -150,8 +150,7 @@ impl Calibrator {
             if !restarted {
                 tracing::info!("{offer}");
             }
-            let measured = detection.photometric.as_ref();
-            for note in measured.map(Measured::notes).unwrap_or_default() {
+            for note in detection.notes() {
                 tracing::info!("{note}");
             }
             self.session.guidance().to_string()

@@ -64,6 +64,15 @@ pub fn declarations() -> Vec<Declaration> {
             )
         },
         Declaration {
+            range: Range::Integers(0, 10_000),
+            ..plain(
+                "required_rings",
+                ParameterValue::Integer(0),
+                "How many rings of the board must be seen. 0: one in every row and column, and 60 % of all; with fewer rows \
+                 or columns the numbers begin at the first that were seen.",
+            )
+        },
+        Declaration {
             constraints: "plumb_bob".to_owned(),
             ..plain("model", text("plumb_bob"), "Lens model of the calibration.")
         },

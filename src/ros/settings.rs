@@ -4,6 +4,7 @@ use super::parameters::{ParameterError, ParameterValues};
 use crate::calibrate::Fixed;
 use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
+use crate::detect::Required;
 use crate::report::Quality;
 use crate::session::SessionRules;
 use ros2_client::ParameterValue;
@@ -21,6 +22,8 @@ pub struct Settings {
     pub psf: PsfChoice,
     /// How the grey values follow the light.
     pub response_gamma: ResponseGamma,
+    /// How much of the board must be seen.
+    pub required: Required,
     /// Camera parameters that are not estimated.
     pub fixed: Fixed,
     /// When a frame is kept.
@@ -84,6 +87,7 @@ impl Settings {
             estimator,
             psf,
             response_gamma,
+            required: Required::rings(count(values, "required_rings")),
             fixed,
             rules: SessionRules {
                 max_motion_px: (max_motion_px > 0.0).then_some(max_motion_px),
@@ -221,6 +225,7 @@ mod tests {
             ("estimator", word("pole_polar")),
             ("psf", word("disc")),
             ("response_gamma", word("auto")),
+            ("required_rings", ParameterValue::Integer(12)),
             ("fixed", ParameterValue::StringArray(vec!["k3".into()])),
             ("min_views", ParameterValue::Integer(5)),
             ("max_views", ParameterValue::Integer(7)),
@@ -235,6 +240,7 @@ mod tests {
         assert_eq!(settings.estimator, Estimator::PolePolar);
         assert_eq!(settings.psf, PsfChoice::Fixed(Psf::Disc));
         assert_eq!(settings.response_gamma, ResponseGamma::Auto);
+        assert_eq!(settings.required, Required::Rings(12));
         assert_eq!(settings.fixed.names(), ["k3"]);
         assert_eq!((settings.rules.min_views, settings.rules.max_views), (5, 7));
         assert_eq!(settings.rules.max_motion_px, None);

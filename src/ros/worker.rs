@@ -239,6 +239,7 @@ fn detector(configuration: &Configuration) -> Detector {
         estimator: settings.estimator,
         psf: settings.psf,
         response_gamma: settings.response_gamma,
+        required: settings.required,
         // none is known before it is calibrated
         camera: None,
     };

@@ -110,6 +110,7 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);
     }
+    Usual::leave_out_covered(&mut rings);
     finish(board, verdict.psf, rings, &camera)
 }
 

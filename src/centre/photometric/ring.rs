@@ -48,6 +48,12 @@ pub enum RingError {
         /// What gave it away.
         what: &'static str,
     },
+    /// Something covers a part of the ring: the fit explains its grey values far worse than those of the others.
+    #[error("something covers it: its residuals are {times:.1} times as large as the others'")]
+    Covered {
+        /// Its residuals over what is usual.
+        times: f64,
+    },
 }
 
 /// A ring as it was seen.

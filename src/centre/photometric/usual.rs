@@ -1,6 +1,7 @@
 //! The noise that the rings of a board usually have, and which ring has more.
 
 use super::fit::RingFitted;
+use super::ring::RingError;
 use super::under::Under;
 use super::window::Grid;
 
@@ -8,6 +9,8 @@ use super::window::Grid;
 const MOST: f64 = 1.5;
 /// One whose shape is given may have more: its place is sure, and its covariance grows with its noise.
 pub(super) const MOST_IF_GIVEN: f64 = 3.0;
+/// And one that nothing covers has no more, in the worst light.
+const MOST_IF_COVERED: f64 = 3.0;
 /// The model itself is right within this fraction of the contrast: without noise residuals are that, and differ.
 const MODEL_ERROR: f64 = 1.4e-3;
 
@@ -35,6 +38,22 @@ impl Usual {
         let contrast = (fitted.model.paper - fitted.model.ring).abs();
         let usual = self.noise / grid.pixel_px;
         fitted.noise > most * usual.max(MODEL_ERROR * contrast)
+    }
+
+    /// Leaves out what is no ring like the others, though a fit has settled on it.
+    pub(super) fn leave_out_covered(rings: &mut [Under]) {
+        let usual = Self::of(rings);
+        for ring in rings {
+            let (Ok(fitted), Some(window)) = (ring.fitted, ring.window.as_ref()) else {
+                continue;
+            };
+            let contrast = (fitted.model.paper - fitted.model.ring).abs();
+            let expected = (usual.noise / window.grid.pixel_px).max(MODEL_ERROR * contrast);
+            let times = fitted.noise / expected;
+            if times > MOST_IF_COVERED {
+                ring.fitted = Err(RingError::Covered { times });
+            }
+        }
     }
 
     /// The same of a ring; `None` where it has no fit.

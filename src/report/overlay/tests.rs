@@ -43,6 +43,7 @@ fn detection() -> Detection {
         rings: board().indices().map(ring).collect(),
         homography: Matrix3::new(2000.0, 0.0, 50.0, 0.0, 2000.0, 40.0, 0.0, 0.0, 1.0),
         photometric: None,
+        another: None,
     }
 }
 

@@ -103,6 +103,7 @@ fn detection(pose: &Pose) -> Detection {
         rings,
         homography: k * plane,
         photometric: None,
+        another: None,
     }
 }
 

@@ -31,7 +31,13 @@ fn board(rows: u16, columns: u16) -> Board {
 
 /// The board at a place, its middle moved by so many pitches to the right and down.
 fn rendered(board: &Board, right: f64, down: f64, sigma_px: f64) -> Rendering {
-    let rotation = Rotation3::from_euler_angles(0.25, -0.2, 0.15);
+    turned(board, 0.15, (right, down), sigma_px)
+}
+
+/// The same, turned in its plane by an angle.
+fn turned(board: &Board, turn_rad: f64, (right, down): (f64, f64), sigma_px: f64) -> Rendering {
+    let in_plane = Rotation3::from_euler_angles(0.0, 0.0, turn_rad);
+    let rotation = Rotation3::from_euler_angles(0.25, -0.2, 0.0) * in_plane;
     let [x, y] = board.middle_m();
     let middle = Vector3::new(0.0269 * right, 0.0269 * down, 0.3);
     let pose = Pose {
@@ -62,7 +68,14 @@ fn assert_numbers(found: &Detection, rendering: &Rendering, rows: u16, columns: 
             .iter()
             .find(|t| (t.row, t.column) == (ring.row + rows, ring.column + columns));
         let off = (same.unwrap().centre - ring.centre.point).norm();
-        assert!(off < 0.3, "row {} column {}: {off} {:?} {:?}", ring.row, ring.column, ring.centre.covariance, found.notes());
+        assert!(
+            off < 0.3,
+            "row {} column {}: {off} {:?} {:?}",
+            ring.row,
+            ring.column,
+            ring.centre.covariance,
+            found.notes()
+        );
     }
 }
 
@@ -178,6 +191,38 @@ fn bad_light_is_named() {
     assert!(say(|grey| grey / 250).starts_with("too dark: the brightest grey value is"));
     assert!(say(|grey| grey.saturating_mul(30)).starts_with("over-exposed"));
     assert!(say(|_| 130).starts_with("hardly any contrast"));
+}
+
+#[test]
+fn marks_tell_the_first_row_and_column_however_the_board_is_turned() {
+    for (rows, columns) in [(5, 6), (5, 5)] {
+        let marks = vec![(0, 0), (0, 1), (1, 0)];
+        let board = board(rows, columns).with_marks(marks).unwrap();
+        for turn in 0..4 {
+            for sigma_px in [0.5, 3.0, 6.0] {
+                let angle = std::f64::consts::FRAC_PI_2 * f64::from(turn) + 0.2;
+                let rendering = turned(&board, angle, (0.0, 0.0), sigma_px);
+                let found = detect(&rendering.frame, &board, 0).unwrap();
+                assert_eq!(found.indices, Indices::Absolute);
+                assert!(found.rings.len() >= board.ring_count() - 3);
+                assert_numbers(&found, &rendering, 0, 0);
+            }
+        }
+    }
+}
+
+#[test]
+fn with_marks_in_view_a_part_of_the_board_has_its_own_numbers() {
+    let marks = vec![(5, 5), (5, 4), (4, 5), (2, 4)];
+    let board = board(6, 6).with_marks(marks).unwrap();
+    for turn in 0..4 {
+        let angle = std::f64::consts::FRAC_PI_2 * f64::from(turn) - 0.1;
+        let away = [(-3.2, 0.0), (0.0, -3.2), (3.2, 0.0), (0.0, 3.2)][turn as usize];
+        let rendering = turned(&board, angle, away, 2.0);
+        let found = detect(&rendering.frame, &board, 12).unwrap();
+        assert_eq!(found.indices, Indices::Absolute);
+        assert_numbers(&found, &rendering, 0, 0);
+    }
 }
 
 #[test]

@@ -188,3 +188,28 @@ fn to_frame(ellipse: &Ellipse, level: Level) -> Ellipse {
         angle: ellipse.angle,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Plane;
+    use proptest::prelude::*;
+    use rand::{RngExt, SeedableRng};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(6))]
+        #[test]
+        fn no_texture_has_more_patches_than_are_looked_at(seed: u64, coarse in 1..5_usize) {
+            let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+            let (width, height) = (800, 600);
+            let greys: Vec<u8> = (0..width * height).map(|_| random.random()).collect();
+            let at = |x: usize, y: usize| greys[y / coarse * width + x / coarse];
+            let data = (0..width * height).map(|i| at(i % width, i / width)).collect();
+            let picture = Plane::from_vec(width, height, data).unwrap();
+            let band = BandPass::of(&picture, 1.0);
+            prop_assert!(compact(&band, Side::Light).len() <= MOST_PATCHES);
+            prop_assert!(compact(&band, Side::Dark).len() <= MOST_PATCHES);
+            prop_assert!(candidates(&band, Level(0), 0.5).len() <= MOST_PATCHES);
+        }
+    }
+}

@@ -30,6 +30,7 @@ pub(super) fn centres(
         Some(construction) => {
             let rings = placed
                 .iter()
+                .filter(|ring| !board.is_mark(ring.row, ring.column))
                 .filter_map(|ring| constructed(ring, construction.as_ref()));
             (rings.collect(), None)
         }
@@ -124,6 +125,10 @@ fn photometric(
     };
     let mut rings = Vec::with_capacity(places.len());
     for (i, result) in measured.rings.into_iter().enumerate() {
+        if board.is_mark(at[i].0, at[i].1) {
+            // it tells how the board is turned and shades its neighbours; without an inner circle it is no ring to measure
+            continue;
+        }
         match result {
             Ok(ring) if is_expected(&places[i], &ring) => {
                 rings.extend(of_measured(at[i], ring, board.radius_ratio()));

@@ -2,6 +2,7 @@
 
 use super::detection::{Indices, Miss};
 use super::labelling::{Label, Lattice, extent, lattices};
+use super::marks::numbering_by_marks;
 use super::orientation::{Numbering, choose};
 use super::places::Places;
 use super::plausible::is_plausible;
@@ -220,7 +221,9 @@ impl<'a> Measured<'a> {
     fn verdict(self, required: Required) -> Result<(Vec<Placed>, Indices), Miss> {
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let found = self.rings.len();
-        let Some(numbering) = self.numbering() else {
+        let labels: Vec<Label> = self.rings.keys().copied().collect();
+        let by_marks = numbering_by_marks(self.frame, self.board, &labels, &self.places);
+        let Some(numbering) = by_marks.or_else(|| self.numbering()) else {
             return Err(too_few_or_no_grid(self.board, found));
         };
         if !is_plausible(self.board, &self.rings, &self.places) {
@@ -254,7 +257,7 @@ impl<'a> Measured<'a> {
             })
             .collect();
         rings.sort_by_key(|ring| (ring.row, ring.column));
-        if let Some(indices) = required.judge(self.board, &mut rings) {
+        if let Some(indices) = required.judge(self.board, &mut rings, by_marks.is_some()) {
             return Ok((rings, indices));
         }
         let (found, expected) = (rings.len(), self.board.ring_count());

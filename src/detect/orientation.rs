@@ -46,6 +46,9 @@ impl Numbering {
     }
 }
 
+/// Fraction of a lattice's labels that must be on the board; the others may be blots beside it.
+const NEARLY_ALL: f64 = 0.9;
+
 /// One quarter turn makes the old row direction the new column direction.
 fn turn(label: Label, quarters: u8) -> Label {
     (0..quarters % 4).fold(label, |(column, row), _| (row, -column))
@@ -83,6 +86,14 @@ pub(super) fn choose(
         .map(|(_, _, numbering)| numbering)
 }
 
+/// All numberings that put nearly all labels on the board.
+pub(super) fn numberings(labels: &[Label], rows: u16, columns: u16) -> Vec<Numbering> {
+    let least = (NEARLY_ALL * labels.len() as f64).ceil() as usize;
+    let turns = (0..4).flat_map(|quarters| windows(labels, quarters, rows, columns));
+    let fitting = turns.filter(|&(_, covered)| covered >= least);
+    fitting.map(|(numbering, _)| numbering).collect()
+}
+
 /// The shift that puts most labels on the board, the smallest on ties, and how many those are.
 fn best_window(
     labels: &[Label],
@@ -90,9 +101,16 @@ fn best_window(
     rows: u16,
     columns: u16,
 ) -> Option<(Numbering, usize)> {
+    windows(labels, quarters, rows, columns)
+        .into_iter()
+        .max_by(|a, b| a.1.cmp(&b.1).then_with(|| b.0.first.cmp(&a.0.first)))
+}
+
+/// Every shift of a turned board along the lattice, and how many labels it puts on the board.
+fn windows(labels: &[Label], quarters: u8, rows: u16, columns: u16) -> Vec<(Numbering, usize)> {
     let turned: Vec<Label> = labels.iter().map(|&l| turn(l, quarters)).collect();
     if turned.is_empty() {
-        return None;
+        return Vec::new();
     }
     let ((left, right), (top, bottom)) = extent(turned.iter().copied());
     let (columns, rows) = (i32::from(columns), i32::from(rows));
@@ -111,7 +129,7 @@ fn best_window(
     shifts(top, bottom, rows)
         .flat_map(|row| shifts(left, right, columns).map(move |column| (column, row)))
         .map(|first| (Numbering { quarters, first }, covered(first)))
-        .max_by(|a, b| a.1.cmp(&b.1).then_with(|| b.0.first.cmp(&a.0.first)))
+        .collect()
 }
 
 #[cfg(test)]

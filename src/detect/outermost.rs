@@ -6,7 +6,7 @@
 //! with about their contrast and blur. If they do not, the grid is tried one step to the other side.
 
 use super::centres::centres;
-use super::detection::{Indices, Measured, Miss, Ring};
+use super::detection::{Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::{Grid, Placed};
 use crate::board::Board;
@@ -105,8 +105,11 @@ pub(super) fn sure_centres(
     sign: f64,
 ) -> Result<(Vec<Ring>, Option<Measured>), Miss> {
     let placed = grid.rings;
-    if grid.indices == Indices::Relative {
-        // where the board ends is not known anyway
+    if Line::ALL
+        .iter()
+        .any(|&line| seen(board, line, &placed) == 0.0)
+    {
+        // a part of the board is out of sight, and may be
         return Ok(centres(frame, board, &placed, options, sign));
     }
     let doubtful = |placed: &[Placed]| -> Vec<Line> {

@@ -31,22 +31,34 @@ impl Required {
     /// The fewest rings of `board` that can do.
     pub(super) fn least(self, board: &Board) -> usize {
         match self {
-            Self::Extent => (LEAST_FOUND * board.ring_count() as f64).ceil() as usize,
+            Self::Extent => {
+                let rings = board.ring_count() - board.marks().len();
+                (LEAST_FOUND * rings as f64).ceil() as usize
+            }
             Self::Rings(count) => count.max(LEAST_RINGS),
         }
     }
 
-    /// What the numbers of the rings mean, if enough of them are there. Where rows or columns are missing, the numbers are changed to
-    /// begin at the first that were seen.
-    pub(super) fn judge(self, board: &Board, rings: &mut [Placed]) -> Option<Indices> {
+    /// What the numbers of the rings mean, if enough of them are there. Where rows or columns are missing and no marks were seen
+    /// (`marked`), the numbers are changed to begin at the first that were seen.
+    pub(super) fn judge(
+        self,
+        board: &Board,
+        rings: &mut [Placed],
+        marked: bool,
+    ) -> Option<Indices> {
         let every_row = (0..board.rows()).all(|row| rings.iter().any(|ring| ring.row == row));
         let every_column =
             (0..board.columns()).all(|column| rings.iter().any(|ring| ring.column == column));
         let whole = every_row && every_column;
-        if rings.len() < self.least(board) || !(whole || self != Self::Extent) {
+        let marks = rings
+            .iter()
+            .filter(|ring| board.is_mark(ring.row, ring.column));
+        let to_measure = rings.len() - marks.count();
+        if to_measure < self.least(board) || !(whole || self != Self::Extent) {
             return None;
         }
-        if whole {
+        if whole || marked {
             return Some(Indices::Absolute);
         }
         let first_row = rings.iter().map(|ring| ring.row).min()?;

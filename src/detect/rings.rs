@@ -153,3 +153,59 @@ fn is_same(a: &Ellipse, b: &Ellipse) -> bool {
 fn overlap(a: &RingFit, b: &RingFit) -> bool {
     (a.outer.centre - b.outer.centre).norm() < 0.7 * (a.outer.minor + b.outer.minor)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::board::Polarity;
+    use nalgebra::Point2;
+    use proptest::prelude::*;
+    use rand::{RngExt, SeedableRng};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(24))]
+        #[test]
+        fn however_many_candidates_there_are_so_many_are_measured(
+            places in prop::collection::vec((0.0..4e3_f64, 0.0..3e3_f64, 3.0..40.0_f64), 0..1500),
+            single in any::<bool>(),
+        ) {
+            let (rows, columns) = if single { (1, 1) } else { (5, 6) };
+            let board = Board::new(rows, columns, 0.03, 0.005, 0.01, Polarity::Auto).unwrap();
+            let outers: Vec<Ellipse> = places
+                .iter()
+                .map(|&(x, y, r)| Ellipse { centre: Point2::new(x, y), major: r, minor: 0.8 * r, angle: 0.3 })
+                .collect();
+            let mut chosen = first_to_measure(&board, &outers);
+            prop_assert_eq!(chosen.len(), outers.len().min(MOST_MEASURED));
+            chosen.sort_unstable();
+            chosen.dedup();
+            prop_assert_eq!(chosen.len(), outers.len().min(MOST_MEASURED));
+        }
+    }
+
+    #[test]
+    fn those_in_a_lattice_are_measured_whatever_stands_around() {
+        let board = Board::new(5, 6, 0.03, 0.005, 0.01, Polarity::Auto).unwrap();
+        let disc = |x: f64, y: f64, r: f64| Ellipse {
+            centre: Point2::new(x, y),
+            major: r,
+            minor: r,
+            angle: 0.0,
+        };
+        // 2000 larger ones anywhere, then the board
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(5);
+        let mut place = |size: f64| 500.0 + size * random.random::<f64>();
+        let mut outers: Vec<Ellipse> = (0..2000)
+            .map(|i| disc(place(8e3), place(6e3), f64::from(15 + i % 7)))
+            .collect();
+        outers.extend((0..30).map(|i| {
+            disc(
+                f64::from(100 + i % 6 * 30),
+                f64::from(100 + i / 6 * 30),
+                10.0,
+            )
+        }));
+        let chosen = first_to_measure(&board, &outers);
+        assert!((2000..2030).all(|at| chosen.contains(&at)));
+    }
+}

@@ -56,10 +56,9 @@ pub(super) fn rings(scene: &Scene) -> Result<Outline, SceneError> {
     let mut tracer = Tracer::new(scene)?;
     for (row, column) in board.indices() {
         let centre_m = board.centre_m(row, column);
-        for (radius_m, inside) in [
-            (board.outer_radius_m(), 1.0),
-            (board.inner_radius_m(), -1.0),
-        ] {
+        let inner = (!board.is_mark(row, column)).then_some((board.inner_radius_m(), -1.0));
+        let circles = std::iter::once((board.outer_radius_m(), 1.0)).chain(inner);
+        for (radius_m, inside) in circles {
             tracer.closed(8, |part, t| {
                 let (sin, cos) = (std::f64::consts::FRAC_PI_4 * (part as f64 + t)).sin_cos();
                 let speed = inside * radius_m * std::f64::consts::FRAC_PI_4;

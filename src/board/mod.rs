@@ -3,6 +3,9 @@
 //! Board frame: the origin is the centre of ring (row 0, column 0), x grows with the column, y with the
 //! row, z = x cross y points away from a camera that looks at the print. Lengths are metres.
 
+mod file;
+mod marks;
+
 use serde::{Deserialize, Serialize};
 
 /// Whether the rings are darker or lighter than the board they are printed on.
@@ -27,6 +30,7 @@ pub struct Board {
     inner_radius_m: f64,
     outer_radius_m: f64,
     polarity: Polarity,
+    marks: Vec<(u16, u16)>,
 }
 
 /// The longest length of a board, m: a larger number was meant in millimetres.
@@ -84,19 +88,33 @@ pub enum BoardError {
         /// Diameter of a ring, m.
         diameter_m: f64,
     },
-}
-
-/// The keys of a board file, as written there.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct BoardFile {
-    rows: Option<f64>,
-    columns: Option<f64>,
-    pitch: Option<f64>,
-    inner_radius: Option<f64>,
-    outer_radius: Option<f64>,
-    #[serde(default)]
-    polarity: Polarity,
+    /// A mark that is no ring of the board.
+    #[error("marks: there is no ring in row {row}, column {column}")]
+    MarkOffBoard {
+        /// Row given.
+        row: u16,
+        /// Column given.
+        column: u16,
+    },
+    /// The same mark again.
+    #[error("marks: row {row}, column {column} is there twice")]
+    MarkTwice {
+        /// Row given.
+        row: u16,
+        /// Column given.
+        column: u16,
+    },
+    /// Too many marks leave too few rings.
+    #[error("marks: {count} are too many, at most {most} rings of this board can be marks")]
+    Marks {
+        /// Marks given.
+        count: usize,
+        /// A quarter of the rings.
+        most: usize,
+    },
+    /// Marks that do not tell which way the board is turned.
+    #[error("marks: they look the same when the board is turned by 180 degrees")]
+    MarksSymmetric,
 }
 
 impl Board {
@@ -141,31 +159,8 @@ impl Board {
             inner_radius_m,
             outer_radius_m,
             polarity,
+            marks: Vec::new(),
         })
-    }
-
-    /// Reads the text of a board file (see docs/formats.md).
-    ///
-    /// # Errors
-    /// [`BoardError::Syntax`] with the place in the text, or what [`Board::new`] refuses.
-    pub fn from_yaml(text: &str) -> Result<Self, BoardError> {
-        let file: BoardFile =
-            serde_saphyr::from_str(text).map_err(|e| BoardError::Syntax(e.to_string()))?;
-        let (rows, columns) = (count("rows", file.rows)?, count("columns", file.columns)?);
-        let single = rows == 1 && columns == 1;
-        let pitch_m = if single {
-            0.0
-        } else {
-            present("pitch", file.pitch)?
-        };
-        Self::new(
-            rows,
-            columns,
-            pitch_m,
-            present("inner_radius", file.inner_radius)?,
-            present("outer_radius", file.outer_radius)?,
-            file.polarity,
-        )
     }
 
     /// Rings per column.
@@ -208,6 +203,11 @@ impl Board {
         self.inner_radius_m / self.outer_radius_m
     }
 
+    /// The rings (row, column) that are printed without their inner circle: they tell row 0, column 0 however the board is turned.
+    pub fn marks(&self) -> &[(u16, u16)] {
+        &self.marks
+    }
+
     /// Dark rings on light, light rings on dark, or unknown.
     pub fn polarity(&self) -> Polarity {
         self.polarity
@@ -236,77 +236,10 @@ impl Board {
     }
 }
 
-fn present(name: &'static str, value: Option<f64>) -> Result<f64, BoardError> {
-    value.ok_or(BoardError::Missing { name })
-}
-
-fn count(name: &'static str, value: Option<f64>) -> Result<u16, BoardError> {
-    let value = present(name, value)?;
-    if (1.0..=100.0).contains(&value) && value.fract() == 0.0 {
-        Ok(value as u16)
-    } else {
-        Err(BoardError::Count { name, value })
-    }
-}
-
 fn positive(name: &'static str, value: f64) -> Result<(), BoardError> {
     if value > 0.0 && value <= MOST_M {
         Ok(())
     } else {
         Err(BoardError::Length { name, value })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const C4: &str = "rows: 7\ncolumns: 7\npitch: 0.0269\ninner_radius: 0.003\nouter_radius: 0.006\npolarity: dark_on_light\n";
-
-    #[test]
-    fn reads_the_design_s_example() {
-        let board = Board::from_yaml(C4).unwrap();
-        assert_eq!((board.rows(), board.columns()), (7, 7));
-        assert_eq!(board.centre_m(1, 2), [2.0 * 0.0269, 0.0269]);
-        assert_eq!(board.radius_ratio(), 0.5);
-    }
-
-    #[test]
-    fn a_single_ring_needs_no_pitch() {
-        let text = "rows: 1\ncolumns: 1\ninner_radius: 0.05\nouter_radius: 0.1\n";
-        assert!(Board::from_yaml(text).unwrap().is_single());
-    }
-
-    #[test]
-    fn refusals_name_the_key_and_the_value() {
-        let negative = C4.replace("0.0269", "-1");
-        let error = Board::from_yaml(&negative).unwrap_err().to_string();
-        assert!(error.contains("pitch") && error.contains("-1"), "{error}");
-        let line = C4.replace("rows: 7", "rows: 1");
-        assert!(matches!(
-            Board::from_yaml(&line),
-            Err(BoardError::Size { rows: 1, .. })
-        ));
-        let touching = C4.replace("0.0269", "0.011");
-        assert!(matches!(
-            Board::from_yaml(&touching),
-            Err(BoardError::Pitch { .. })
-        ));
-        let swapped = C4.replace("0.003", "0.03");
-        assert!(matches!(
-            Board::from_yaml(&swapped),
-            Err(BoardError::Radii { .. })
-        ));
-        let say = |from: &str, to: &str| {
-            Board::from_yaml(&C4.replace(from, to))
-                .unwrap_err()
-                .to_string()
-        };
-        assert!(say("rows: 7", "rows: -7").contains("rows must be a whole number"));
-        assert!(say("rows: 7", "rows: 7.5").contains("not 7.5"));
-        assert_eq!(say("pitch: 0.0269\n", ""), "pitch is missing");
-        assert!(say("pitch: 0.0269", "pitch: 26.9").contains("in metres"));
-        assert!(Board::from_yaml("rows: seven").is_err());
-        assert!(Board::from_yaml(&format!("{C4}colour: red\n")).is_err());
     }
 }

@@ -3,6 +3,7 @@
 use super::detection::{FellBack, Measured, Ring};
 use super::detector::DetectOptions;
 use super::grid::Placed;
+use super::ring_fit::{Care, measure};
 use crate::board::Board;
 use crate::camera::homography::{apply, fit_homography};
 use crate::centre::photometric::{
@@ -136,9 +137,9 @@ fn photometric(
             Ok(_) | Err(RingError::Covered { .. }) => {}
             Err(reason) => {
                 rings.extend(
-                    placed
-                        .get(i)
-                        .and_then(|ring| fall_back(ring, reason, &mut report)),
+                    placed.get(i).and_then(|ring| {
+                        fall_back((frame, board, sign), ring, reason, &mut report)
+                    }),
                 );
             }
         }
@@ -168,14 +169,37 @@ fn of_measured(at: (u16, u16), ring: RingMeasured, ratio: f64) -> Option<Ring> {
     })
 }
 
-fn fall_back(ring: &Placed, reason: RingError, report: &mut Measured) -> Option<Ring> {
+/// The centre from edges that are measured with all care now.
+fn fall_back(
+    (frame, board, sign): (&Frame, &Board, f64),
+    ring: &Placed,
+    reason: RingError,
+    report: &mut Measured,
+) -> Option<Ring> {
     let construction = Estimator::FALLBACK.construction()?;
+    let careful = measure(
+        frame,
+        &ring.ellipses,
+        sign,
+        board.radius_ratio(),
+        Care::Edges,
+    );
+    let ellipses = careful.and_then(|fit| {
+        Some(RingEllipses {
+            inner: fit.inner?,
+            outer: fit.outer,
+        })
+    });
+    let ring = Placed {
+        ellipses: ellipses.unwrap_or(ring.ellipses),
+        ..*ring
+    };
     report.fell_back.push(FellBack {
         row: ring.row,
         column: ring.column,
         reason,
     });
-    constructed(ring, construction.as_ref())
+    constructed(&ring, construction.as_ref())
 }
 
 fn is_expected(place: &BoardPlace, ring: &RingMeasured) -> bool {

@@ -6,6 +6,7 @@ use super::grid::find_grid;
 use super::light::bad_light;
 use super::outermost::sure_centres;
 use super::required::Required;
+use super::ring_fit::Care;
 use super::rings::{add_drowned, find_rings};
 use super::single::find_single;
 use crate::board::{Board, Polarity};
@@ -102,11 +103,11 @@ impl Detector {
         if self.board.is_single() {
             return find_single(frame, &self.board, &self.options, sign);
         }
-        let rings = find_rings(frame, &self.board, sign);
-        let required = self.options.required;
-        let grid = find_grid(frame, &self.board, &rings, sign, required).or_else(|_| {
-            let all = add_drowned(frame, &self.board, rings, sign);
-            find_grid(frame, &self.board, &all, sign, required)
+        let care = Care::of(self.options.estimator);
+        let rings = find_rings(frame, &self.board, sign, care);
+        let grid = find_grid(frame, &self.board, &rings, sign, &self.options).or_else(|_| {
+            let all = add_drowned(frame, &self.board, rings, sign, care);
+            find_grid(frame, &self.board, &all, sign, &self.options)
         })?;
         let (indices, another) = (grid.indices, grid.another);
         let (rings, photometric) = sure_centres(frame, &self.board, grid, &self.options, sign)?;

@@ -1,13 +1,14 @@
 //! The board in a lattice: which rings are which, the missing ones looked for where they must be, the verdict.
 
 use super::detection::{Indices, Miss};
+use super::detector::DetectOptions;
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::marks::numbering_by_marks;
 use super::orientation::{Numbering, choose};
 use super::places::Places;
 use super::plausible::is_plausible;
 use super::required::Required;
-use super::ring_fit::{RingFit, measure, measure_disc};
+use super::ring_fit::{Care, RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
@@ -42,7 +43,7 @@ pub(super) fn find_grid(
     board: &Board,
     rings: &[RingFit],
     sign: f64,
-    required: Required,
+    options: &DetectOptions,
 ) -> Result<Grid, Miss> {
     if rings.is_empty() {
         return Err(Miss::NoRing);
@@ -59,9 +60,16 @@ pub(super) fn find_grid(
     let Some(lattice) = largest.or(lattices.first()) else {
         return Err(too_few_or_no_grid(board, rings.len()));
     };
-    let mut measured = Measured::new(frame, board, rings, sign, lattice);
+    let mut measured = Measured::new(
+        frame,
+        board,
+        rings,
+        sign,
+        lattice,
+        Care::of(options.estimator),
+    );
     measured.complete();
-    let (rings, indices) = measured.verdict(required)?;
+    let (rings, indices) = measured.verdict(options.required)?;
     Ok(Grid {
         rings,
         indices,
@@ -98,6 +106,7 @@ struct Measured<'a> {
     frame: &'a Frame,
     board: &'a Board,
     sign: f64,
+    care: Care,
     rings: std::collections::BTreeMap<Label, RingFit>,
     places: Places,
 }
@@ -109,6 +118,7 @@ impl<'a> Measured<'a> {
         rings: &[RingFit],
         sign: f64,
         lattice: &Lattice,
+        care: Care,
     ) -> Self {
         let rings = lattice
             .members
@@ -119,6 +129,7 @@ impl<'a> Measured<'a> {
             frame,
             board,
             sign,
+            care,
             rings,
             places: lattice.places.clone(),
         }
@@ -193,8 +204,8 @@ impl<'a> Measured<'a> {
     fn look_at(&self, label: Label) -> Option<RingFit> {
         let rough = self.predicted_ellipses(label)?;
         let ratio = self.board.radius_ratio();
-        let ring = measure(self.frame, &rough, self.sign, ratio)
-            .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio))?;
+        let ring = measure(self.frame, &rough, self.sign, ratio, self.care)
+            .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio, self.care))?;
         let place = self.places.expect(label)?;
         let near = (ring.outer.centre - place.at).norm() < 0.25 * place.step_px();
         let alike = (ring.outer.major / rough.outer.major).ln().abs() < 0.5;

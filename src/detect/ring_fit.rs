@@ -3,11 +3,44 @@
 use super::candidates::looks_concentric;
 use super::edges::{LevelRule, RingEdges, median, ring_edges};
 use super::ellipse_fit::{EllipseFit, fit_ellipse};
-use crate::centre::{Ellipse, RingEllipses};
+use crate::centre::{Ellipse, Estimator, RingEllipses};
 use crate::frame::{Frame, Pixels};
 
-/// Edges are sought along rays of the ellipses of the round before.
-const ROUNDS: [LevelRule; 2] = [LevelRule::Rough, LevelRule::Extrema];
+/// What a ring is measured for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Care {
+    /// A fit of its grey values starts from it.
+    Start,
+    /// Its edges are the result.
+    Edges,
+}
+
+impl Care {
+    /// As much as an estimator needs.
+    pub(super) fn of(estimator: Estimator) -> Self {
+        match estimator.construction() {
+            Some(_) => Self::Edges,
+            None => Self::Start,
+        }
+    }
+
+    /// From which blur on, in a ring's narrowest widths, the edges are taken once more.
+    fn filling_blur(self) -> f64 {
+        match self {
+            Self::Start => 2.0 * FILLING_BLUR,
+            Self::Edges => FILLING_BLUR,
+        }
+    }
+
+    /// Edges are sought along rays of the ellipses of the round before.
+    fn rounds(self) -> [LevelRule; 2] {
+        match self {
+            Self::Start => [LevelRule::Rough, LevelRule::Rough],
+            Self::Edges => [LevelRule::Rough, LevelRule::Extrema],
+        }
+    }
+}
+
 /// Fraction of the edge points that must lie on the ellipse.
 const LEAST_INLIERS: f64 = 0.6;
 /// How far edges may stray from the ellipse: px, and as a fraction of the ring's width.
@@ -44,10 +77,11 @@ pub(super) fn measure(
     rough: &RingEllipses,
     sign: f64,
     ratio: f64,
+    care: Care,
 ) -> Option<RingFit> {
     let mut ellipses = *rough;
     let mut fit = None;
-    for rule in ROUNDS {
+    for rule in care.rounds() {
         let mut edges = edges_of(frame, &ellipses, sign, rule)?;
         let stray_px;
         (ellipses, stray_px) = through(&edges, ratio)?;
@@ -61,7 +95,7 @@ pub(super) fn measure(
     }
     let found = fit?;
     let width = found.outer.minor - found.inner.map_or(0.0, |inner| inner.minor);
-    if found.blur_sigma_px < FILLING_BLUR * width {
+    if found.blur_sigma_px < care.filling_blur() * width {
         return Some(found);
     }
     Some(at_print_levels(frame, &found, sign, ratio).unwrap_or(found))
@@ -74,10 +108,11 @@ pub(super) fn measure_disc(
     rough: &Ellipse,
     sign: f64,
     ratio: f64,
+    care: Care,
 ) -> Option<RingFit> {
     let mut outline = *rough;
     let mut fit = None;
-    for rule in ROUNDS {
+    for rule in care.rounds() {
         let rays = RingEllipses {
             inner: scaled(&outline, DISC_MIDDLE),
             outer: outline,

@@ -4,7 +4,7 @@ use super::band_pass::BandPass;
 use super::candidates::{candidates, disc_candidates};
 use super::labelling::lattices;
 use super::nearby::Nearby;
-use super::ring_fit::{RingFit, measure, measure_disc};
+use super::ring_fit::{Care, RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::{Frame, Level, Pixels, half, half_of_frame};
@@ -20,7 +20,7 @@ const MOST_PER_RING: usize = 4;
 
 /// Every ring of dark or light (`sign` 1 or -1) that shows in the frame, each once, in no particular order but always the same.
 /// Where the frame shows more candidates than can be measured, those that stand in a lattice as the board's go first.
-pub(super) fn find_rings(frame: &Frame, board: &Board, sign: f64) -> Vec<RingFit> {
+pub(super) fn find_rings(frame: &Frame, board: &Board, sign: f64, care: Care) -> Vec<RingFit> {
     let ratio = board.radius_ratio();
     let spots = spots(over_levels(frame, sign, |band, level| {
         candidates(band, level, ratio)
@@ -31,7 +31,7 @@ pub(super) fn find_rings(frame: &Frame, board: &Board, sign: f64) -> Vec<RingFit
         .filter_map(|at| {
             spots[at]
                 .iter()
-                .find_map(|rough| measure(frame, rough, sign, ratio))
+                .find_map(|rough| measure(frame, rough, sign, ratio, care))
         })
         .collect();
     distinct(measured)
@@ -43,6 +43,7 @@ pub(super) fn add_drowned(
     board: &Board,
     rings: Vec<RingFit>,
     sign: f64,
+    care: Care,
 ) -> Vec<RingFit> {
     let ratio = board.radius_ratio();
     let mut outlines: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
@@ -50,7 +51,7 @@ pub(super) fn add_drowned(
     let discs: Vec<RingFit> = first_to_measure(board, &outlines)
         .into_par_iter()
         .filter(|&at| at >= rings.len())
-        .filter_map(|at| measure_disc(frame, &outlines[at], sign, ratio))
+        .filter_map(|at| measure_disc(frame, &outlines[at], sign, ratio, care))
         .collect();
     let mut all = rings;
     for disc in distinct(discs) {

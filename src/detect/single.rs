@@ -5,7 +5,7 @@ use super::detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::Placed;
 use super::patch::patch;
-use super::ring_fit::RingFit;
+use super::ring_fit::{Care, RingFit};
 use super::rings::{add_drowned, find_rings};
 use crate::board::Board;
 use crate::centre::photometric::{
@@ -28,9 +28,9 @@ pub(super) fn find_single(
     sign: f64,
 ) -> Result<Detection, Miss> {
     let ratio = board.radius_ratio();
-    let mut rings = find_rings(frame, board, sign);
+    let mut rings = find_rings(frame, board, sign, Care::Edges);
     if rings.is_empty() {
-        rings = add_drowned(frame, board, rings, sign);
+        rings = add_drowned(frame, board, rings, sign, Care::Edges);
     }
     let size = |r: &RingFit| r.contrast * r.outer.major * r.outer.minor;
     rings.sort_by(|a, b| size(b).total_cmp(&size(a)));

@@ -226,6 +226,20 @@ fn with_marks_in_view_a_part_of_the_board_has_its_own_numbers() {
 }
 
 #[test]
+fn without_its_marks_in_view_a_part_of_the_board_is_numbered_from_what_was_seen() {
+    let marks = vec![(0, 0), (0, 1), (1, 0)];
+    let board = board(6, 7).with_marks(marks).unwrap();
+    for (turn_rad, right) in [(0.15, -3.2), (3.3, 3.8)] {
+        let rendering = turned(&board, turn_rad, (right, 0.0), 2.0);
+        let found = detect(&rendering.frame, &board, 12).unwrap();
+        let seen: Vec<(u16, u16)> = found.rings.iter().map(|r| (r.row, r.column)).collect();
+        assert_eq!(found.indices, Indices::Relative, "{turn_rad} {seen:?}");
+        assert!(found.rings.iter().any(|ring| ring.row == 0));
+        assert!(found.rings.iter().any(|ring| ring.column == 0));
+    }
+}
+
+#[test]
 fn the_same_bytes_give_the_same_answer_on_any_number_of_threads() {
     let board = board(5, 6);
     let frame = rendered(&board, 0.0, 0.0, 2.5).frame;

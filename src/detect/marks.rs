@@ -17,6 +17,10 @@ const LEAST_SCORE: f64 = 0.2;
 const SURE: f64 = 0.8;
 /// What stands before a ring may be darker or lighter than anything on the board, but counts no more than this.
 const LIGHTS: (f64, f64) = (-1.0, 1.5);
+/// A ring, or a mark, has at least this fraction of the usual contrast.
+const LEAST_CONTRAST: f64 = 0.4;
+/// What each ring that looks like a mark takes from a score.
+const STRAY_MARK: f64 = 0.3;
 /// So many marks must be seen where they should be.
 const LEAST_MARKS: usize = 2;
 
@@ -31,9 +35,21 @@ pub(super) fn numbering_by_marks(
     if board.marks().is_empty() {
         return None;
     }
+    let mut contrasts: Vec<f64> = labels
+        .iter()
+        .filter_map(|&label| Some(spot(frame, board, places, label)?.contrast))
+        .collect();
+    contrasts.sort_by(f64::total_cmp);
+    let usual = *contrasts.get(contrasts.len() / 2)?;
+    // beside the sheet, and behind what covers it, there is no ring and no mark
+    let look = |label: Label| {
+        let spot = spot(frame, board, places, label)?;
+        let printed = spot.contrast / usual > LEAST_CONTRAST;
+        printed.then(|| (spot.depth / spot.contrast).clamp(LIGHTS.0, LIGHTS.1))
+    };
     let mut scored: Vec<(f64, Numbering)> = numberings(labels, board.rows(), board.columns())
         .into_iter()
-        .filter_map(|numbering| Some((score(frame, board, numbering, places)?, numbering)))
+        .filter_map(|numbering| Some((score(board, numbering, look)?, numbering)))
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0));
     let &(best, numbering) = scored.first()?;
@@ -41,12 +57,13 @@ pub(super) fn numbering_by_marks(
     (best > LEAST_SCORE && next < SURE * best).then_some(numbering)
 }
 
-/// How much darker the middles of marks are than those of the others; `None` where too few marks are seen.
-fn score(frame: &Frame, board: &Board, numbering: Numbering, places: &Places) -> Option<f64> {
+/// How much darker the middles of all marks are than those of the others usually, less what looks like a mark and should be none;
+/// `None` where too few marks are seen.
+fn score(board: &Board, numbering: Numbering, look: impl Fn(Label) -> Option<f64>) -> Option<f64> {
     let (mut marks, mut others) = (Vec::new(), Vec::new());
     for (row, column) in board.indices() {
         let label = numbering.label((i32::from(column), i32::from(row)));
-        let Some(light) = middle(frame, board, places, label) else {
+        let Some(light) = look(label) else {
             continue;
         };
         if board.is_mark(row, column) {
@@ -55,13 +72,27 @@ fn score(frame: &Frame, board: &Board, numbering: Numbering, places: &Places) ->
             others.push(light);
         }
     }
-    let mean = |lights: &[f64]| lights.iter().sum::<f64>() / lights.len() as f64;
-    let enough = marks.len() >= LEAST_MARKS && !others.is_empty();
-    enough.then(|| mean(&others) - mean(&marks))
+    if marks.len() < LEAST_MARKS || others.is_empty() {
+        return None;
+    }
+    let usual = others.iter().sum::<f64>() / others.len() as f64;
+    let lightest = marks.into_iter().fold(f64::MIN, f64::max);
+    let like_marks = others
+        .iter()
+        .filter(|&&other| 2.0 * other < usual + lightest);
+    Some(usual - lightest - STRAY_MARK * like_marks.count() as f64)
 }
 
-/// How light the middle of a ring is: 0 as the ring, 1 as the paper around; `None` outside the frame.
-fn middle(frame: &Frame, board: &Board, places: &Places, label: Label) -> Option<f64> {
+/// What a place of the board looks like.
+struct Spot {
+    /// Paper less ring.
+    contrast: f64,
+    /// Middle less ring: as large as the contrast where there is an inner circle in focus.
+    depth: f64,
+}
+
+/// `None` outside the frame.
+fn spot(frame: &Frame, board: &Board, places: &Places, label: Label) -> Option<Spot> {
     let at = places.expect(label)?.at;
     let pitch = board.pitch_m();
     let mean = |radius_m: f64| {
@@ -79,8 +110,10 @@ fn middle(frame: &Frame, board: &Board, places: &Places, label: Label) -> Option
     let middle = (middles[0]? + middles[1]?) / 2.0;
     let ring = mean(0.5 * (inner + board.outer_radius_m()))?;
     let paper = mean(0.5 * pitch)?;
-    let contrast = paper - ring;
-    (contrast != 0.0).then(|| ((middle - ring) / contrast).clamp(LIGHTS.0, LIGHTS.1))
+    Some(Spot {
+        contrast: paper - ring,
+        depth: middle - ring,
+    })
 }
 
 fn mean_along(frame: &Frame, ellipse: &Ellipse) -> Option<f64> {

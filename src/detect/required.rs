@@ -39,8 +39,8 @@ impl Required {
         }
     }
 
-    /// What the numbers of the rings mean, if enough of them are there. Where rows or columns are missing and no marks were seen
-    /// (`marked`), the numbers are changed to begin at the first that were seen.
+    /// What the numbers of the rings mean, if enough of them are there. Where rows or columns are missing, or the board has marks, and
+    /// no marks were seen (`marked`), the numbers are changed to begin at the first that were seen.
     pub(super) fn judge(
         self,
         board: &Board,
@@ -58,7 +58,7 @@ impl Required {
         if to_measure < self.least(board) || !(whole || self != Self::Extent) {
             return None;
         }
-        if whole || marked {
+        if marked || (whole && board.marks().is_empty()) {
             return Some(Indices::Absolute);
         }
         let first_row = rings.iter().map(|ring| ring.row).min()?;

@@ -12,12 +12,10 @@ use super::ring_fit::{Care, RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
+use std::collections::BTreeMap;
 
 /// A ring this much smaller or larger (logarithm) than the board says is seen with its contrast inverted.
 const ALIKE: f64 = 0.25;
-/// A lattice as full as this shows its true extent.
-const FULL: f64 = 0.8;
-
 /// One ring of the board: where it is on the board and what it looks like.
 pub(super) struct Placed {
     pub(super) row: u16,
@@ -102,13 +100,13 @@ fn too_few_or_no_grid(board: &Board, found: usize) -> Miss {
 }
 
 /// A lattice whose members are measured rings, and what is needed to measure more.
-struct Measured<'a> {
-    frame: &'a Frame,
-    board: &'a Board,
+pub(super) struct Measured<'a> {
+    pub(super) frame: &'a Frame,
+    pub(super) board: &'a Board,
     sign: f64,
     care: Care,
-    rings: std::collections::BTreeMap<Label, RingFit>,
-    places: Places,
+    pub(super) rings: BTreeMap<Label, RingFit>,
+    pub(super) places: Places,
 }
 
 impl<'a> Measured<'a> {
@@ -278,40 +276,5 @@ impl<'a> Measured<'a> {
         } else {
             Miss::TooFewRings { found, expected }
         })
-    }
-
-    /// Rows and columns seen, where the lattice is nearly full and does not have the board's size, and is not merely cut
-    /// off by the frame's border.
-    fn other_size(&self, numbering: Numbering) -> Option<(usize, usize)> {
-        let ((left, right), (top, bottom)) = extent(self.rings.keys().map(|&l| numbering.of(l)));
-        let seen = ((bottom - top + 1) as usize, (right - left + 1) as usize);
-        let wanted = (
-            usize::from(self.board.rows()),
-            usize::from(self.board.columns()),
-        );
-        let full = self.rings.len() as f64 >= FULL * (seen.0 * seen.1) as f64;
-        let smaller = seen.0 < wanted.0 || seen.1 < wanted.1;
-        let larger = seen.0 > wanted.0 || seen.1 > wanted.1;
-        let odd = full
-            && (larger || (smaller && !self.is_cut_off(numbering, (left, right), (top, bottom))));
-        odd.then_some(seen)
-    }
-
-    /// Whether a place one step beyond the lattice lies outside the frame (or so near its border that a ring there is
-    /// cut).
-    fn is_cut_off(&self, numbering: Numbering, columns: (i32, i32), rows: (i32, i32)) -> bool {
-        let ring = self.board.outer_radius_m() / self.board.pitch_m();
-        let inside = |place: Label| {
-            self.places.expect(numbering.label(place)).is_some_and(|p| {
-                let margin = ring * p.step_px();
-                let within = |v: f64, size: usize| v >= margin && v <= size as f64 - 1.0 - margin;
-                within(p.at.x, self.frame.width()) && within(p.at.y, self.frame.height())
-            })
-        };
-        let beyond = |i: i32, (first, last): (i32, i32)| i < first || i > last;
-        (rows.0 - 1..=rows.1 + 1)
-            .flat_map(|row| (columns.0 - 1..=columns.1 + 1).map(move |column| (column, row)))
-            .filter(|&(column, row)| beyond(column, columns) || beyond(row, rows))
-            .any(|place| !inside(place))
     }
 }

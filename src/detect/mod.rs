@@ -14,6 +14,7 @@ mod light;
 mod marks;
 mod nearby;
 mod orientation;
+mod other_size;
 mod outermost;
 mod patch;
 mod places;

@@ -102,3 +102,16 @@ fn discs_that_invert_the_inner_circle_are_told() {
         }
     }
 }
+
+#[test]
+fn a_wall_of_rings_is_not_the_board() {
+    let wall = board(20, 24, 0.003, Polarity::DarkOnLight);
+    let [x, y] = wall.middle_m();
+    let pose = Pose {
+        rotation: Rotation3::from_euler_angles(0.1, 0.05, 0.02),
+        translation_m: Vector3::new(-x, -y, 0.75),
+    };
+    let scene = Scene::new(CAMERA, wall, pose);
+    let miss = detect(&scene, board(5, 6, 0.003, Polarity::Auto)).unwrap_err();
+    assert!(matches!(miss, Miss::WrongSize { .. }), "{miss}");
+}

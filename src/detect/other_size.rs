@@ -6,6 +6,8 @@ use super::orientation::Numbering;
 
 /// A lattice as full as this shows its true extent.
 const FULL: f64 = 0.8;
+/// One of so many times the board's rings is a wall of them.
+const MANY: f64 = 1.5;
 
 impl Measured<'_> {
     /// Rows and columns seen, where the lattice is nearly full and does not have the board's size, and is not merely cut
@@ -20,8 +22,11 @@ impl Measured<'_> {
         let full = self.rings.len() as f64 >= FULL * (seen.0 * seen.1) as f64;
         let smaller = seen.0 < wanted.0 || seen.1 < wanted.1;
         let larger = seen.0 > wanted.0 || seen.1 > wanted.1;
-        let odd = full
-            && (larger || (smaller && !self.is_cut_off(numbering, (left, right), (top, bottom))));
+        let wall = larger && self.rings.len() as f64 > MANY * self.board.ring_count() as f64;
+        let odd = wall
+            || full
+                && (larger
+                    || (smaller && !self.is_cut_off(numbering, (left, right), (top, bottom))));
         odd.then_some(seen)
     }
 

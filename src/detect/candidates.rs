@@ -45,22 +45,32 @@ pub(super) fn disc_candidates(band: &BandPass, level: Level) -> Vec<Ellipse> {
 /// Where the band passes zero around a dark patch.
 fn outline(band: &BandPass, blob: &Blob) -> Option<Ellipse> {
     let axes = half_axes(&blob.spread)?;
-    let points: Vec<Point2<f64>> = (0..RAYS)
-        .filter_map(|i| {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
-            let axis = axes * Vector2::new(cos, sin);
-            let at = |t: f64| {
-                let p = blob.centre + axis * t;
-                band.plane.bilinear(p.x, p.y)
-            };
-            let end = (1..=20)
-                .map(|k| f64::from(k) * STEP)
-                .find(|&t| at(t).is_some_and(|v| v >= 0.0))?;
-            Some(blob.centre + axis * (end - 0.5 * STEP))
-        })
-        .collect();
-    let enough = points.len() as f64 >= LEAST_RAYS * RAYS as f64;
-    enough.then(|| fit_ellipse(&points))?.map(|fit| fit.ellipse)
+    let points = along_rays(&axes, |axis| {
+        let at = |t: f64| {
+            let p = blob.centre + axis * t;
+            band.plane.bilinear(p.x, p.y)
+        };
+        let end = (1..=20)
+            .map(|k| f64::from(k) * STEP)
+            .find(|&t| at(t).is_some_and(|v| v >= 0.0))?;
+        Some(blob.centre + axis * (end - 0.5 * STEP))
+    })?;
+    fit_ellipse(&points).map(|fit| fit.ellipse)
+}
+
+/// What is found along each ray, its direction given in units of the patch's own radii; `None` as soon as too many rays have found
+/// nothing.
+fn along_rays<T>(axes: &Matrix2<f64>, find: impl Fn(Vector2<f64>) -> Option<T>) -> Option<Vec<T>> {
+    let mut found = Vec::with_capacity(RAYS);
+    for i in 0..RAYS {
+        let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
+        found.extend(find(axes * Vector2::new(cos, sin)));
+        let possible = found.len() + RAYS - 1 - i;
+        if (possible as f64) < LEAST_RAYS * RAYS as f64 {
+            return None;
+        }
+    }
+    Some(found)
 }
 
 /// The compact patches of a level; where there are too many, those that stand out most, in the order in which they were found.
@@ -93,15 +103,7 @@ fn is_compact(blob: &Blob) -> bool {
 fn surrounded(band: &BandPass, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
     let axes = half_axes(&blob.spread)?;
     let reach = 2.5 / ratio;
-    let crossings: Vec<(Point2<f64>, Point2<f64>)> = (0..RAYS)
-        .filter_map(|i| {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
-            cross_ring(band, blob.centre, axes * Vector2::new(cos, sin), reach)
-        })
-        .collect();
-    if (crossings.len() as f64) < LEAST_RAYS * RAYS as f64 {
-        return None;
-    }
+    let crossings = along_rays(&axes, |axis| cross_ring(band, blob.centre, axis, reach))?;
     let (inner, outer): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
     let ring = RingEllipses {
         inner: fit_ellipse(&inner)?.ellipse,

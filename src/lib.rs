@@ -9,7 +9,7 @@
 //! use ringcal::session::{Session, SessionRules, View};
 //! # use ringcal::{camera::{Camera, Intrinsics, PlumbBob}, simulate::{Defocus, Scene, render, views}};
 //! # let intrinsics = Intrinsics { fx: 600.0, fy: 600.0, cx: 319.5, cy: 239.5 };
-//! # let truth = Camera { width: 640, height: 480, intrinsics, distortion: PlumbBob::default() };
+//! # let truth = Camera { width: 640, height: 480, intrinsics, distortion: PlumbBob::default().into() };
 //! # let text = include_str!("../config/a4.yaml");
 //!
 //! let board = Board::from_yaml(text)?;

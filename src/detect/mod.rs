@@ -27,4 +27,5 @@ mod single;
 
 pub use detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
 pub use detector::{DetectOptions, Detector};
+pub(crate) use ellipse_fit::ellipse_through;
 pub use required::Required;

@@ -280,8 +280,11 @@ impl Calibrator {
             session: self.session_number,
             board: self.configuration.board.clone(),
             views: self.session.views().to_vec(),
+            model: self.configuration.settings.model,
             options: CalibrateOptions {
                 fixed: self.configuration.settings.fixed.clone(),
+                estimator: self.configuration.settings.estimator,
+                ..CalibrateOptions::default()
             },
         })
     }

@@ -73,12 +73,17 @@ pub fn declarations() -> Vec<Declaration> {
             )
         },
         Declaration {
-            constraints: "plumb_bob".to_owned(),
-            ..plain("model", text("plumb_bob"), "Lens model of the calibration.")
+            constraints: "one of plumb_bob, rational_polynomial, equidistant, auto".to_owned(),
+            ..plain(
+                "model",
+                text("plumb_bob"),
+                "Lens model of the calibration; auto takes the one that predicts left-out views best.",
+            )
         },
         Declaration {
             constraints:
-                "a list of fx, fy, cx, cy, k1, k2, p1, p2, k3, each with or without =VALUE"
+                "a list of the model's parameters (fx, fy, cx, cy, k1, k2, p1, p2, k3, ...), each with or without =VALUE, \
+                 principal_point, tangential, aspect_ratio, radial=N"
                     .to_owned(),
             ..plain(
                 "fixed",

@@ -195,9 +195,9 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
             "known are fx, fy, cx, cy, k1, k2, p1, p2, k3",
         ),
         (
-            &["view_0.png", "--model", "equidistant"],
+            &["view_0.png", "--model", "fisheye"],
             2,
-            "plumb_bob only",
+            "known are plumb_bob",
         ),
         (&["view_0.png", "--estimator", "best"], 2, "big_ellipse"),
         (&["view_0.png", "--psf", "round"], 2, "gaussian, disc"),

@@ -10,7 +10,9 @@
 
 mod adjust;
 mod calibration;
+mod check;
 mod cross_validation;
+mod difference;
 mod error;
 mod fixed;
 mod guess;
@@ -31,7 +33,9 @@ mod uncertainty;
 mod zhang;
 
 pub use calibration::{Calibration, ViewFit};
+pub use check::{Cell, Check, FIELD, Verdict, check};
 pub use cross_validation::{CrossValidation, FOLDS, ModelScore, choose_model, cross_validate};
+pub use difference::{Difference, difference};
 pub use error::{CalibrateError, Missing};
 pub use fixed::{Fixed, FixedError};
 pub use options::{CalibrateOptions, ModelChoice, SheetOptions};

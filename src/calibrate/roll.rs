@@ -7,7 +7,7 @@ use super::observations::Observation;
 use super::repeats::repeats;
 use super::shared::Shared;
 use super::{NEEDED_RINGS, start_homography};
-use crate::camera::Pose;
+use crate::camera::{Camera, Pose};
 use crate::session::View;
 use nalgebra::Vector2;
 use std::fmt;
@@ -18,6 +18,8 @@ const CHANCE: f64 = 0.01;
 const WORSE: f64 = 16.0;
 /// The squared length of two standard normal numbers has this median.
 const MEDIAN: f64 = 1.386_294_361_119_890_6;
+/// Poses that a view may be given before it is left out: the camera gets better in between.
+const MORE_POSES: usize = 3;
 /// Residuals below this are of no consequence, px: a set without noise must not lose rings to rounding.
 const NEGLIGIBLE_PX: f64 = 1e-3;
 
@@ -86,6 +88,8 @@ pub(super) struct Roll {
     pub left_out: Vec<Option<LeftOut>>,
     /// Where each view's board stands, as far as it is known.
     pub poses: Vec<Option<Pose>>,
+    /// How often each view has been given another pose because most of its rings contradicted the one it had.
+    tried_again: Vec<usize>,
 }
 
 impl Roll {
@@ -109,6 +113,7 @@ impl Roll {
         }
         Self {
             poses: vec![None; rings.len()],
+            tried_again: vec![0; rings.len()],
             rings,
             left_out,
         }
@@ -148,7 +153,8 @@ impl Roll {
     /// The scale of the residuals is that of their median, so that up to half of them may be wrong. A ring is left out where its squared
     /// residual exceeds what one in a hundred faultless sets would show anywhere (chi-square with two degrees of freedom,
     /// Bonferroni); a view where that befalls more than half of its rings, or where the mean square of the others is 16
-    /// times that of the median view.
+    /// times that of the median view. A view is first given another pose, through most of its rings: the one it started from may
+    /// have been spoilt by a few. Views are judged only when no ring changes its part any more.
     pub fn judge(&mut self, shared: &Shared) -> bool {
         let squares: Vec<Vec<f64>> = (0..self.rings.len())
             .map(|at| self.squares(at, shared))
@@ -164,13 +170,15 @@ impl Roll {
         let mut means = Vec::new();
         for at in active {
             let (out, mean) = judge_rings(&mut self.rings[at], &squares[at], limit, &mut changed);
-            let of = squares[at].len();
-            if 2 * out > of || of - out < NEEDED_RINGS {
-                self.left_out[at] = Some(LeftOut::MostRings { out, of });
+            if self.contradicted(at, out) {
                 changed = true;
+                self.try_again(at, out, &shared.camera);
             } else {
                 means.push((at, mean));
             }
+        }
+        if changed {
+            return true;
         }
         let typical = median(&mut means.iter().map(|m| m.1).collect::<Vec<_>>()).max(scale);
         for (at, mean) in means.into_iter().filter(|m| m.1 > WORSE * typical) {
@@ -179,6 +187,29 @@ impl Roll {
             changed = true;
         }
         changed
+    }
+
+    /// Whether most rings of a view are out, or too many for a pose.
+    fn contradicted(&self, at: usize, out: usize) -> bool {
+        let of = self.rings[at].len();
+        2 * out > of || of - out < NEEDED_RINGS
+    }
+
+    /// Gives a view another pose, or leaves it out where it has had one already.
+    fn try_again(&mut self, at: usize, out: usize, camera: &Camera) {
+        self.tried_again[at] += 1;
+        let again = if self.tried_again[at] > MORE_POSES {
+            None
+        } else {
+            start_homography::pose_through_most(camera, &mut self.rings[at])
+        };
+        match again {
+            Some(pose) => self.poses[at] = Some(pose),
+            None => {
+                let of = self.rings[at].len();
+                self.left_out[at] = Some(LeftOut::MostRings { out, of });
+            }
+        }
     }
 
     /// Squared whitened residuals of a view's rings; infinite where a ring has no image.

@@ -4,13 +4,18 @@
 //! belong to the others by far.
 
 use super::observations::Observation;
+use super::rays::pose_of_rays;
 use crate::camera::homography::{apply, fit_homography};
+use crate::camera::{Camera, Pose};
 use nalgebra::{Matrix3, Point2};
 
 /// Residual over the median residual beyond which a ring does not take part in the start.
 const FAR: f64 = 8.0;
 /// Residuals below this are close, px.
 const CLOSE_PX: f64 = 0.5;
+/// The same once the camera is known, and how often a pose is found again without what lies beyond.
+const ROUNDING_PX: f64 = 1e-3;
+const TRIMS: usize = 4;
 /// Sets of four rings that are tried where some are far: with a third of the rings wrong one in five is right.
 const TRIES: u64 = 60;
 
@@ -71,9 +76,53 @@ fn median(values: &[f64]) -> f64 {
 }
 
 fn far(distances: &[f64]) -> Vec<usize> {
-    let limit = FAR * median(distances).max(CLOSE_PX);
+    beyond(distances, CLOSE_PX)
+}
+
+/// Places of the distances that are much larger than the median, or than `close_px` where that is smaller.
+fn beyond(distances: &[f64], close_px: f64) -> Vec<usize> {
+    let limit = FAR * median(distances).max(close_px);
     (0..distances.len())
         .filter(|at| distances[*at] > limit)
+        .collect()
+}
+
+/// A pose through most rings of a view with a camera that is known, the rings that it puts far from where they are left without a
+/// share; `None` where no four of them have one.
+pub(super) fn pose_through_most(camera: &Camera, rings: &mut [Observation]) -> Option<Pose> {
+    let all: Vec<(Point2<f64>, Point2<f64>)> = rings
+        .iter()
+        .map(|ring| (Point2::from(ring.board_m), ring.pixel - ring.bias_px))
+        .collect();
+    let errors = |pose: &Pose| errors_px(camera, pose, &all);
+    let tried = (0..TRIES).map(|attempt| four_of(&all, attempt));
+    let mut pose = std::iter::once(all.clone())
+        .chain(tried)
+        .filter_map(|some| pose_of_rays(camera, &some))
+        .min_by(|a, b| median(&errors(a)).total_cmp(&median(&errors(b))))?;
+    let mut out = Vec::new();
+    for _ in 0..TRIMS {
+        out = beyond(&errors(&pose), ROUNDING_PX);
+        let near: Vec<_> = (0..all.len())
+            .filter(|at| !out.contains(at))
+            .map(|at| all[at])
+            .collect();
+        pose = pose_of_rays(camera, &near)?;
+    }
+    for (at, ring) in rings.iter_mut().enumerate() {
+        ring.share = if out.contains(&at) { 0.0 } else { 1.0 };
+    }
+    Some(pose)
+}
+
+fn errors_px(camera: &Camera, pose: &Pose, pairs: &[(Point2<f64>, Point2<f64>)]) -> Vec<f64> {
+    pairs
+        .iter()
+        .map(|(plane, pixel)| {
+            camera
+                .project(&pose.board_to_camera([plane.x, plane.y]))
+                .map_or(f64::INFINITY, |image| (image - pixel).norm())
+        })
         .collect()
 }
 

@@ -148,7 +148,7 @@ fn exact(
 ) -> Result<Adjusted, CalibrateError> {
     let mut last = None;
     for _ in 0..PREDICTIONS {
-        let predicted = observed::predict(
+        observed::predict(
             board,
             shared,
             &roll.poses,
@@ -160,8 +160,9 @@ fn exact(
             .ok_or(CalibrateError::NotConverged { iterations: 0 })?;
         *shared = adjusted.solution.shared;
         roll.stand(&adjusted.solution.poses);
+        let settled = adjusted.iterations <= 1;
         last = Some(adjusted);
-        if !predicted {
+        if settled {
             break;
         }
     }

@@ -3,21 +3,21 @@
 use super::error::PrintError;
 use super::legend::{Line, least_length_mm, legend, scale_sentence};
 use super::paper::{MOST_MM, Paper, Stock};
-use super::ruler::{Ruler, depth_mm, overhang_mm, ruler_scale};
-use super::sheet::{Area, Shape, Sheet, Text, Tone, Turn};
+use super::ruler::{depth_mm, overhang_mm};
+use super::sheet::Sheet;
 use crate::board::{Board, Polarity};
 
 /// Width of the quiet zone over the width of a ring: three blur sigmas at the heaviest blur that is of use
 /// ([`super::MOST_BLUR`]).
 const QUIET: f64 = 3.0 * super::MOST_BLUR;
 /// Between the quiet zone and the rulers, and between it and the legend, mm.
-const GAP_MM: f64 = 1.0;
-const LEGEND_GAP_MM: f64 = 2.0;
+pub(super) const GAP_MM: f64 = 1.0;
+pub(super) const LEGEND_GAP_MM: f64 = 2.0;
 /// Texts are as large as on A4 up to a field of this width, mm, and grow with its square root beyond.
 const SMALL_FIELD_MM: f64 = 200.0;
 const MOST_SCALE: f64 = 2.5;
 /// The length a ruler should have at least, mm.
-const RULER_MM: f64 = 100.0;
+pub(super) const RULER_MM: f64 = 100.0;
 
 /// What is to be printed beside the board itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +34,7 @@ pub struct PrintOptions {
 
 /// Which side of the field the legend is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Side {
+pub(super) enum Side {
     Below,
     Beside,
 }
@@ -60,26 +60,26 @@ pub fn lay_out(board: &Board, options: &PrintOptions) -> Result<Sheet, PrintErro
 }
 
 /// A board with the sizes that follow from it.
-struct Plan<'a> {
-    board: Board,
-    options: &'a PrintOptions,
-    quiet_mm: f64,
+pub(super) struct Plan<'a> {
+    pub(super) board: Board,
+    pub(super) options: &'a PrintOptions,
+    pub(super) quiet_mm: f64,
     /// Rings and quiet zone, width and height, mm.
-    field_mm: [f64; 2],
+    pub(super) field_mm: [f64; 2],
     /// How much larger than on A4 the texts are.
-    scale: f64,
+    pub(super) scale: f64,
 }
 
 /// Where things go on a page; `page_mm` is at least `needed_mm` where it fits.
-struct Arrangement {
-    side: Side,
-    page_mm: [f64; 2],
+pub(super) struct Arrangement {
+    pub(super) side: Side,
+    pub(super) page_mm: [f64; 2],
     needed_mm: [f64; 2],
     /// Upper left corner of the field.
-    field_mm: [f64; 2],
-    legend: Vec<Line>,
+    pub(super) field_mm: [f64; 2],
+    pub(super) legend: Vec<Line>,
     /// Thickness of the legend, mm.
-    legend_mm: f64,
+    pub(super) legend_mm: f64,
 }
 
 impl Arrangement {
@@ -198,13 +198,13 @@ impl<'a> Plan<'a> {
     }
 
     /// Depth of a ruler and of the gap to the field.
-    fn band_mm(&self) -> f64 {
+    pub(super) fn band_mm(&self) -> f64 {
         GAP_MM + depth_mm(self.scale)
     }
 
     /// The lines above the field, from top to bottom: what the rulers are for, and the corner's name, which is the last one.
     /// Whether both stand in one line.
-    fn top(&self, ruler_mm: f64, length_mm: f64) -> (Vec<Line>, bool) {
+    pub(super) fn top(&self, ruler_mm: f64, length_mm: f64) -> (Vec<Line>, bool) {
         let corner = Line::corner(self.scale);
         let sentence = Line::body(scale_sentence(ruler_mm), self.scale);
         if corner.length_mm() + corner.em_mm + sentence.length_mm() <= length_mm {
@@ -233,6 +233,16 @@ impl<'a> Plan<'a> {
         (lines, height)
     }
 
+    /// What a ruler of a small board takes, from the side of the field on, mm.
+    fn ruler_mm(&self) -> f64 {
+        self.first_mm([0.0; 2])[0] + RULER_MM + overhang_mm(self.scale)
+    }
+
+    /// How far the ruler of a small board reaches beyond the legend below the field, mm.
+    fn beyond_mm(&self, legend_mm: f64) -> f64 {
+        (self.ruler_mm() - self.field_mm[1] - LEGEND_GAP_MM - legend_mm).max(0.0)
+    }
+
     fn below(&self, page_mm: [f64; 2]) -> Arrangement {
         let (margin, band) = (self.options.margin_mm, self.band_mm());
         let [field_width, field_height] = self.field_mm;
@@ -244,7 +254,8 @@ impl<'a> Plan<'a> {
         };
         // a page that is too narrow is looked at as wide as it would have to be, to say how high it must be
         let wide = page_width.max(width);
-        let left = margin + band + 0.5 * (wide - 2.0 * margin - band - field_width);
+        let room = wide - 2.0 * margin - band;
+        let left = margin + band + 0.5 * (room - field_width.max(self.ruler_mm()).min(room));
         let (legend, legend_mm) = self.legend(wide - margin - left);
         let top = self.top_mm(wide - margin - left + band);
         let height = 2.0 * margin + top + field_height + LEGEND_GAP_MM + legend_mm;
@@ -257,7 +268,10 @@ impl<'a> Plan<'a> {
             side: Side::Below,
             page_mm: [page_width, page_height],
             needed_mm: [width, height],
-            field_mm: [left, margin + top + 0.5 * (page_height - height)],
+            field_mm: [
+                left,
+                margin + top + 0.5 * (page_height - height - self.beyond_mm(legend_mm)).max(0.0),
+            ],
             legend,
             legend_mm,
         }
@@ -293,132 +307,4 @@ impl<'a> Plan<'a> {
             legend_mm,
         }
     }
-
-    fn sheet(&self, arrangement: &Arrangement, paper: &str) -> Sheet {
-        let field = Area::at(arrangement.field_mm, self.field_mm[0], self.field_mm[1]);
-        let rulers = self.rulers(arrangement);
-        let mut shapes = self.rings(&field);
-        let band = self.band_mm();
-        let tip = field.low_mm.map(|v| v - GAP_MM);
-        let size = 0.9 * (band - GAP_MM);
-        shapes.push(Shape::Triangle {
-            corners_mm: [tip, [tip[0] - size, tip[1]], [tip[0], tip[1] - size]],
-        });
-        let mut texts = self.top_texts(arrangement, &rulers);
-        for ruler in rulers.iter().filter(|ruler| ruler.length_mm >= 10.0) {
-            shapes.extend(ruler.ticks());
-            texts.extend(ruler.numbers());
-        }
-        texts.extend(legend_texts(arrangement, &field));
-        Sheet {
-            width_mm: arrangement.page_mm[0],
-            height_mm: arrangement.page_mm[1],
-            paper: paper.to_owned(),
-            name: self.options.name.clone(),
-            yaml: self.board.to_yaml(),
-            field,
-            shapes,
-            texts,
-        }
-    }
-
-    /// The ground, where it is dark, and the rings on it, row by row.
-    fn rings(&self, field: &Area) -> Vec<Shape> {
-        let (tone, ground) = match self.board.polarity() {
-            Polarity::LightOnDark => (Tone::Light, Some(Tone::Dark)),
-            Polarity::DarkOnLight | Polarity::Auto => (Tone::Dark, None),
-        };
-        let first = self.first_mm(field.low_mm);
-        let ground = ground.map(|tone| Shape::Rectangle { area: *field, tone });
-        let ring = |(row, column)| {
-            let [x, y] = self.board.centre_m(row, column);
-            let whole = !self.board.is_mark(row, column);
-            Shape::Ring {
-                centre_mm: [first[0] + 1e3 * x, first[1] + 1e3 * y],
-                outer_mm: 1e3 * self.board.outer_radius_m(),
-                inner_mm: whole.then_some(1e3 * self.board.inner_radius_m()),
-                tone,
-            }
-        };
-        ground
-            .into_iter()
-            .chain(self.board.indices().map(ring))
-            .collect()
-    }
-
-    /// Centre of ring (0, 0) in a field that begins here.
-    fn first_mm(&self, low_mm: [f64; 2]) -> [f64; 2] {
-        low_mm.map(|v| v + self.quiet_mm + 1e3 * self.board.outer_radius_m())
-    }
-
-    /// Rulers above the field and left of it: from ring (0, 0) to the last one, and over 100 mm where the page has them.
-    fn rulers(&self, arrangement: &Arrangement) -> [Ruler; 2] {
-        let low = arrangement.field_mm;
-        let first = self.first_mm(low);
-        let tens = |length: f64| ((length + 1e-6) / 10.0).floor() * 10.0;
-        let ruler = |axis: usize, turn| {
-            let end = arrangement.page_mm[axis] - self.options.margin_mm - overhang_mm(self.scale);
-            let wanted = tens(2e3 * self.board.middle_m()[axis] + 9.999).max(RULER_MM);
-            let zero = first[axis].min((end - RULER_MM).max(low[axis] + 1.0));
-            let mut zero_mm = low.map(|v| v - GAP_MM);
-            zero_mm[axis] = zero;
-            Ruler {
-                zero_mm,
-                length_mm: tens(wanted.min(end - zero)).max(0.0),
-                turn,
-                scale: ruler_scale(self.scale),
-            }
-        };
-        [ruler(0, Turn::Level), ruler(1, Turn::Down)]
-    }
-
-    fn top_texts(&self, arrangement: &Arrangement, rulers: &[Ruler; 2]) -> Vec<Text> {
-        let band = self.band_mm();
-        let [left, upper] = arrangement.field_mm;
-        let left = left - band;
-        let length = arrangement.page_mm[0] - self.options.margin_mm - left;
-        let ruler_mm = rulers.iter().map(|r| r.length_mm).fold(RULER_MM, f64::min);
-        let (mut lines, one_line) = self.top(ruler_mm, length);
-        if ruler_mm < 10.0 {
-            // there is no ruler to speak of
-            lines.retain(|line| line.bold);
-        }
-        let mut below = upper - band;
-        let mut texts = Vec::new();
-        // from the corner's name upwards
-        while let Some(line) = lines.pop() {
-            let beside = one_line && !line.bold;
-            let x = match beside {
-                true => left + Line::corner(self.scale).length_mm() + line.em_mm,
-                false => left,
-            };
-            if !beside {
-                below -= line.height_mm();
-            }
-            texts.push(line.placed([x, below], Turn::Level));
-        }
-        texts
-    }
-}
-
-fn legend_texts(arrangement: &Arrangement, field: &Area) -> Vec<Text> {
-    let below = arrangement.side == Side::Below;
-    let mut at = match below {
-        true => [field.low_mm[0], field.high_mm[1] + LEGEND_GAP_MM],
-        false => [
-            field.high_mm[0] + LEGEND_GAP_MM + arrangement.legend_mm,
-            field.low_mm[1],
-        ],
-    };
-    let place = |line: &Line| {
-        let height = line.height_mm();
-        let turn = if below { Turn::Level } else { Turn::Down };
-        let text = line.clone().placed(at, turn);
-        match below {
-            true => at[1] += height,
-            false => at[0] -= height,
-        }
-        text
-    };
-    arrangement.legend.iter().map(place).collect()
 }

@@ -10,7 +10,7 @@ const SMALL_MM: f64 = 2.2;
 const BODY_MM: f64 = 2.3;
 const TITLE_MM: f64 = 3.0;
 /// From one line to the next, over the size of the font.
-const LEADING: f64 = 1.2;
+const LEADING: f64 = 1.3;
 /// A name is cut after so many characters on the sheet.
 const LONGEST_NAME: usize = 60;
 /// The fewest characters in a line.

@@ -21,6 +21,7 @@
 //! +--------------------------------------------+
 //! ```
 
+mod compose;
 mod coverage;
 mod error;
 mod for_camera;

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 /// Arguments of `ringcal board`.
 #[derive(Debug, clap::Args)]
 #[command(
+    allow_negative_numbers = true,
     group = clap::ArgGroup::new("which").required(true).args(["board", "for_camera"]),
     after_help = "Print at 100 %, not fitted to the page, and check the rulers. docs/boards.md says more."
 )]

@@ -105,7 +105,8 @@ fn resect_one(
     }
 }
 
-fn settle(
+/// Where the board of a view stands, by the rings that have a share, and the sum of their squared whitened residuals.
+pub(super) fn settle(
     board: &Board,
     shared: &Shared,
     rings: &mut Vec<Observation>,

@@ -27,8 +27,8 @@ const PREDICTIONS: usize = 3;
 
 /// An adjusted solution and what was free in it.
 pub(super) struct Solved {
-    adjusted: Adjusted,
-    free: Free,
+    pub adjusted: Adjusted,
+    pub free: Free,
     fixed: Vec<&'static str>,
 }
 

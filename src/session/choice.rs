@@ -162,3 +162,6 @@ fn by_information(
     }
     Decision::Keep(Some(told))
 }
+
+#[cfg(test)]
+mod tests;

@@ -88,6 +88,16 @@ impl Session {
         self.views.len() >= self.rules.min_views
     }
 
+    /// Whether a calibration need not wait for more views: the target is met, or no more may be kept. Without a target
+    /// as [`Session::is_ready`].
+    pub fn is_enough(&self) -> bool {
+        let ends = || {
+            let guidance = self.guidance();
+            matches!(guidance, Guidance::Enough { .. } | Guidance::Full { .. })
+        };
+        self.is_ready() && (self.rules.target_px.is_none() || ends())
+    }
+
     /// Forgets all views.
     pub fn reset(&mut self) {
         self.views.clear();

@@ -100,10 +100,10 @@ impl Wish {
             let pull = (1.0 - 0.1 * f64::from(attempt)).max(0.0);
             let free = 0.5 * (frame - self.extent_px(camera, board, outline, depth_m)?);
             let target = middle + self.offset.component_mul(&free) * pull;
-            if let Some(pose) = self.towards(camera, board, &target, depth_m) {
-                if fits(camera, &pose, outline) {
-                    return Some(pose);
-                }
+            if let Some(pose) = self.towards(camera, board, &target, depth_m)
+                && fits(camera, &pose, outline)
+            {
+                return Some(pose);
             }
             if pull < 0.5 {
                 fill *= 0.95;

@@ -3,6 +3,7 @@
 //! [`frames`] gives the frames of several inputs in the order of the command line. A file that cannot be read is an item of its
 //! own with the reason, and the rest go on. Only the names of a folder and one decoded picture are in memory at a time.
 
+pub mod bag;
 mod board_file;
 mod camera_info_file;
 mod folder;

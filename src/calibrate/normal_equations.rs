@@ -176,6 +176,19 @@ impl NormalEquations {
             .collect()
     }
 
+    /// Half the derivatives of each view's squared residuals by the shared numbers, its pose following: its part of the
+    /// right hand side once the poses are eliminated.
+    pub fn pulls(&self) -> Option<Vec<DVector<f64>>> {
+        self.blocks
+            .iter()
+            .map(|block| {
+                let own = block.gradient.fixed_rows::<POSE>(0).into_owned();
+                let through = block.mixed(self.free) * block.pose().cholesky()?.solve(&own);
+                Some(block.gradient.rows(POSE, self.free).into_owned() - through)
+            })
+            .collect()
+    }
+
     fn gradient(&self) -> DVector<f64> {
         let mut sum = self.charged.1.clone();
         for block in &self.blocks {

@@ -3,12 +3,13 @@
 //! The constructions of the paper take a ring's image for two ellipses. Perspective displaces an ellipse's centre from the projected
 //! one, and the lens bends the curves, which displaces the others too. Camera and pose say by how much: both
 //! circles are sent through the camera, ellipses laid through them, the construction repeated. The photometric estimator
-//! has the perspective in its model, and its shapes are the camera's.
+//! has the perspective in its model; the curves of its model are laid through the bent ones ([`bent`]).
 
 use super::observations::Observation;
 use super::shared::Shared;
 use crate::board::Board;
 use crate::camera::Pose;
+use crate::centre::photometric::bent;
 use crate::centre::{CentreEstimator, Estimator, RingEllipses};
 use crate::detect::ellipse_through;
 use nalgebra::{Point2, Vector2};
@@ -17,63 +18,76 @@ use rayon::prelude::*;
 /// Points of a circle that are sent through the camera.
 const POINTS: usize = 24;
 
-/// Predicts `bias_px` of every ring; `false` where nothing measures anything but projected centres.
+/// A ring of the board before the camera.
+struct RingBefore<'a> {
+    board: &'a Board,
+    shared: &'a Shared,
+    pose: &'a Pose,
+    centre_m: [f64; 2],
+}
+
+/// Predicts `bias_px` of every ring that is measured by this estimator; among rings with a covariance one without was measured on its
+/// edges.
 pub(super) fn predict(
     board: &Board,
     shared: &Shared,
     poses: &[Option<Pose>],
     rings: &mut [Vec<Observation>],
     estimator: Estimator,
-) -> bool {
+) {
+    let construction = estimator.construction();
     let fallback = Estimator::FALLBACK.construction();
-    let own = estimator.construction();
-    let photometric = own.is_none();
-    let of = |ring: &Observation| match (&own, ring.has_covariance) {
-        (Some(construction), _) => Some(construction),
-        // among rings with a covariance one without was measured on its edges
-        (None, false) => fallback.as_ref(),
-        (None, true) => None,
-    };
-    let any = rings.iter().flatten().any(|ring| of(ring).is_some());
     let with_covariance = rings.iter().flatten().any(|ring| ring.has_covariance);
-    if !any || (photometric && !with_covariance) {
-        return false;
-    }
     rings.par_iter_mut().zip(poses).for_each(|(rings, pose)| {
         let Some(pose) = pose else { return };
         for ring in rings {
-            let bias =
-                of(ring).and_then(|c| bias_px(board, shared, pose, ring.board_m, c.as_ref()));
-            ring.bias_px = bias.unwrap_or_default();
+            let before = RingBefore {
+                board,
+                shared,
+                pose,
+                centre_m: ring.board_m,
+            };
+            let edges = construction
+                .as_ref()
+                .or(fallback.as_ref().filter(|_| !ring.has_covariance));
+            ring.bias_px = match edges {
+                // made by hand, of points: they are what they are
+                Some(_) if construction.is_none() && !with_covariance => None,
+                Some(edges) => before.bias_on_edges_px(edges.as_ref()),
+                None => bent(|d| before.image(d), board.radius_ratio()),
+            }
+            .unwrap_or_default();
         }
     });
-    true
 }
 
-/// What a construction on the two ellipses gives less the projected centre, px; `None` where the ring has no image.
-fn bias_px(
-    board: &Board,
-    shared: &Shared,
-    pose: &Pose,
-    centre_m: [f64; 2],
-    construction: &dyn CentreEstimator,
-) -> Option<Vector2<f64>> {
-    let image = |place_m: [f64; 2]| {
-        let place = shared.sheet.place_m(place_m, shared.middle_m);
-        let point = pose.rotation * place + pose.translation_m;
-        shared.camera.project(&point)
-    };
-    let ellipse = |radius_m: f64| {
-        let points = (0..POINTS).map(|i| {
-            let (sin, cos) = (std::f64::consts::TAU * i as f64 / POINTS as f64).sin_cos();
-            image([centre_m[0] + radius_m * cos, centre_m[1] + radius_m * sin])
-        });
-        let points: Vec<Point2<f64>> = points.collect::<Option<_>>()?;
-        ellipse_through(&points)
-    };
-    let ellipses = RingEllipses {
-        inner: ellipse(board.inner_radius_m())?,
-        outer: ellipse(board.outer_radius_m())?,
-    };
-    Some(construction.estimate(&ellipses).ok()?.point - image(centre_m)?)
+impl RingBefore<'_> {
+    /// Where a place about the ring's centre, in outer radii, is seen, px.
+    fn image(&self, d: Vector2<f64>) -> Option<Point2<f64>> {
+        let radius_m = self.board.outer_radius_m();
+        let place_m = [
+            self.centre_m[0] + d.x * radius_m,
+            self.centre_m[1] + d.y * radius_m,
+        ];
+        let place = self.shared.sheet.place_m(place_m, self.shared.middle_m);
+        let point = self.pose.rotation * place + self.pose.translation_m;
+        self.shared.camera.project(&point)
+    }
+
+    /// What a construction on the two ellipses gives less the projected centre, px; `None` where the ring has no image.
+    fn bias_on_edges_px(&self, construction: &dyn CentreEstimator) -> Option<Vector2<f64>> {
+        let ellipse = |radius: f64| {
+            let points = (0..POINTS).map(|i| {
+                let (sin, cos) = (std::f64::consts::TAU * i as f64 / POINTS as f64).sin_cos();
+                self.image(Vector2::new(cos, sin) * radius)
+            });
+            let points: Vec<Point2<f64>> = points.collect::<Option<_>>()?;
+            ellipse_through(&points)
+        };
+        let ellipses = RingEllipses {
+            inner: ellipse(self.board.radius_ratio())?,
+            outer: ellipse(1.0)?,
+        };
+        Some(construction.estimate(&ellipses).ok()?.point - self.image(Vector2::zeros())?)
+    }
 }

@@ -105,7 +105,8 @@ fn resect_one(
     }
 }
 
-fn settle(
+/// Where the board of a view stands, by the rings that have a share, and the sum of their squared whitened residuals.
+pub(super) fn settle(
     board: &Board,
     shared: &Shared,
     rings: &mut Vec<Observation>,
@@ -115,7 +116,7 @@ fn settle(
     let mut cost = 0.0;
     for _ in 0..2 {
         let mut one = [std::mem::take(rings)];
-        let predicted = observed::predict(board, shared, &[Some(pose)], &mut one, estimator);
+        observed::predict(board, shared, &[Some(pose)], &mut one, estimator);
         let solution = Solution {
             shared: *shared,
             poses: vec![pose],
@@ -126,7 +127,7 @@ fn settle(
         let adjusted = adjusted?;
         pose = *adjusted.solution.poses.first()?;
         cost = adjusted.equations.cost();
-        if !predicted {
+        if adjusted.iterations <= 1 {
             break;
         }
     }

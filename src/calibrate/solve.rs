@@ -27,8 +27,8 @@ const PREDICTIONS: usize = 3;
 
 /// An adjusted solution and what was free in it.
 pub(super) struct Solved {
-    adjusted: Adjusted,
-    free: Free,
+    pub adjusted: Adjusted,
+    pub free: Free,
     fixed: Vec<&'static str>,
 }
 
@@ -148,7 +148,7 @@ fn exact(
 ) -> Result<Adjusted, CalibrateError> {
     let mut last = None;
     for _ in 0..PREDICTIONS {
-        let predicted = observed::predict(
+        observed::predict(
             board,
             shared,
             &roll.poses,
@@ -160,8 +160,9 @@ fn exact(
             .ok_or(CalibrateError::NotConverged { iterations: 0 })?;
         *shared = adjusted.solution.shared;
         roll.stand(&adjusted.solution.poses);
+        let settled = adjusted.iterations <= 1;
         last = Some(adjusted);
-        if !predicted {
+        if settled {
             break;
         }
     }

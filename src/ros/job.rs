@@ -1,7 +1,9 @@
 //! One calibration, from the views as they were when it was asked for to a sentence about the result.
 
+use super::settings::Settings;
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, ModelChoice, choose_model};
+use crate::camera::LensModel;
 use crate::refine::calibrate_refined;
 use crate::session::View;
 
@@ -50,6 +52,20 @@ impl Job {
             ModelChoice::Auto => choose_model(&self.board, &self.views, &options)?.0,
         };
         calibrate_refined(&self.board, &self.views, &options).map(|(calibration, _)| calibration)
+    }
+}
+
+/// How views are calibrated. Where the lens model is to be chosen, `known` is the one that was, and until then the usual one.
+pub(super) fn options(settings: &Settings, known: Option<LensModel>) -> CalibrateOptions {
+    let model = match settings.model {
+        ModelChoice::Fixed(model) => model,
+        ModelChoice::Auto => known.unwrap_or_default(),
+    };
+    CalibrateOptions {
+        model,
+        fixed: settings.fixed.clone(),
+        estimator: settings.estimator,
+        ..CalibrateOptions::default()
     }
 }
 

@@ -84,6 +84,7 @@ impl Settings {
             ));
         }
         let max_motion_px = number(values, "max_motion_px");
+        let target_px = number(values, "target_px");
         let save_dir = text(values, "save_dir");
         let percent = count(values, "jpeg_quality");
         let jpeg_quality = u8::try_from(percent).ok().and_then(Quality::new);
@@ -101,6 +102,7 @@ impl Settings {
                 max_motion_px: (max_motion_px > 0.0).then_some(max_motion_px),
                 min_views,
                 max_views,
+                target_px: (target_px > 0.0).then_some(target_px),
                 ..SessionRules::default()
             },
             auto_calibrate: matches!(
@@ -244,6 +246,7 @@ mod tests {
             ("debug_scale", ParameterValue::Double(0.25)),
             ("jpeg_quality", ParameterValue::Integer(33)),
             ("max_motion_px", ParameterValue::Double(0.0)),
+            ("target_px", ParameterValue::Double(0.0)),
         ]))
         .unwrap();
         assert_eq!(settings.estimator, Estimator::PolePolar);
@@ -254,6 +257,7 @@ mod tests {
         assert_eq!(settings.model, ModelChoice::Auto);
         assert_eq!((settings.rules.min_views, settings.rules.max_views), (5, 7));
         assert_eq!(settings.rules.max_motion_px, None);
+        assert_eq!(settings.rules.target_px, None);
         assert!(settings.auto_calibrate);
         assert_eq!(settings.camera_name, "left");
         assert_eq!(settings.folder(Path::new("/h")), Path::new("/data"));

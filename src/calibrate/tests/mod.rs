@@ -83,14 +83,15 @@ fn rings_without_covariance_tell_their_noise_themselves() {
     with_covariance(&mut weighted, Matrix2::identity() * 0.01);
     let (a, b) = (solved(&board(), &plain), solved(&board(), &weighted));
     for at in 0..P {
-        assert!((a.std(at) / b.std(at) - 1.0).abs() < 1e-6);
+        // what the fit of a bent ring measures is predicted of rings with a covariance alone: a few thousandths of a pixel
+        assert!((a.std(at) / b.std(at) - 1.0).abs() < 1e-3);
     }
     assert!(
         (a.rms_px - 0.1 * 2.0_f64.sqrt()).abs() < 0.01,
         "{}",
         a.rms_px
     );
-    assert!((a.variance_factor - 0.01 * b.variance_factor).abs() < 1e-8);
+    assert!((a.variance_factor / (0.01 * b.variance_factor) - 1.0).abs() < 1e-3);
 }
 
 #[test]

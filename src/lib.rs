@@ -19,7 +19,7 @@
 //! # });
 //! let detector = Detector::new(board.clone(), DetectOptions::default());
 //! let mut session = Session::new(board.clone(), SessionRules::for_files());
-//! for (number, frame) in frames.enumerate() { // of a camera out of focus; source::frames reads them from files
+//! for (number, frame) in frames.enumerate() { // of a camera out of focus; source::Inputs reads them from files and bags
 //!     let detection = detector.detect(&frame?)?;
 //!     session.offer(View::of_file(format!("frame {number}"), &detection));
 //! }

@@ -22,7 +22,7 @@ mod metadata;
 mod sqlite;
 mod storage;
 #[cfg(test)]
-mod testing;
+pub(super) mod testing;
 mod topic;
 mod zstd;
 

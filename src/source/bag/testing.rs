@@ -9,16 +9,16 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// Topic, message type and bytes.
-pub(super) type Written<'a> = (&'a str, &'a str, Vec<u8>);
+pub(in crate::source) type Written<'a> = (&'a str, &'a str, Vec<u8>);
 
 /// Frames of one topic: the grey value is the number of the frame.
-pub(super) fn frames(topic: &str, numbers: std::ops::Range<u8>) -> Vec<Written<'_>> {
+pub(in crate::source) fn frames(topic: &str, numbers: std::ops::Range<u8>) -> Vec<Written<'_>> {
     let image = |n: u8| (topic, "sensor_msgs/msg/Image", image(i32::from(n), n));
     numbers.map(image).collect()
 }
 
 /// Writes an MCAP file with chunks of about two messages.
-pub(super) fn write_mcap(path: &Path, messages: &[Written], compression: Option<Compression>) {
+pub(in crate::source) fn write_mcap(path: &Path, messages: &[Written], compression: Option<Compression>) {
     let file = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
     let options = WriteOptions::new()
         .compression(compression)
@@ -41,7 +41,7 @@ pub(super) fn write_mcap(path: &Path, messages: &[Written], compression: Option<
 }
 
 /// Writes a SQLite file, in the order given.
-pub(super) fn write_db3(path: &Path, messages: &[Written]) -> Connection {
+pub(in crate::source) fn write_db3(path: &Path, messages: &[Written]) -> Connection {
     let file = Connection::open(path).unwrap();
     file.execute_batch(
         "CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL, \

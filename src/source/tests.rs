@@ -91,8 +91,7 @@ fn an_empty_folder_is_an_error_that_says_so() {
 fn sixteen_bits_and_the_path_are_kept() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("deep.tif");
-    let picture =
-        image::ImageBuffer::from_fn(3, 2, |x, y| Luma([(40_000 + x + 10 * y) as u16]));
+    let picture = image::ImageBuffer::from_fn(3, 2, |x, y| Luma([(40_000 + x + 10 * y) as u16]));
     picture.save(&path).unwrap();
     let frame = read_image(&path).unwrap();
     let expected = vec![40_000, 40_001, 40_002, 40_010, 40_011, 40_012];
@@ -121,7 +120,10 @@ fn pictures_and_bags_come_in_the_order_given_and_say_where_they_are_from() {
     assert!(names[1].ends_with("b.mcap: frame 1") && names[3].ends_with("a.png"));
     let frame = all[2].1.as_ref().unwrap();
     let (sec, nanosec) = (2, 500_000_000);
-    assert_eq!((frame.stamp, &*frame.source), (Stamp { sec, nanosec }, "camera"));
+    assert_eq!(
+        (frame.stamp, &*frame.source),
+        (Stamp { sec, nanosec }, "camera")
+    );
 }
 
 #[test]

@@ -18,7 +18,11 @@ pub(in crate::source) fn frames(topic: &str, numbers: std::ops::Range<u8>) -> Ve
 }
 
 /// Writes an MCAP file with chunks of about two messages.
-pub(in crate::source) fn write_mcap(path: &Path, messages: &[Written], compression: Option<Compression>) {
+pub(in crate::source) fn write_mcap(
+    path: &Path,
+    messages: &[Written],
+    compression: Option<Compression>,
+) {
     let file = std::io::BufWriter::new(std::fs::File::create(path).unwrap());
     let options = WriteOptions::new()
         .compression(compression)

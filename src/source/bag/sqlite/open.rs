@@ -47,8 +47,12 @@ impl Opened {
         if let Some(damage) = self.damage.take() {
             return damage.into();
         }
-        let corrupt = error.sqlite_error_code() == Some(ErrorCode::DatabaseCorrupt);
-        if corrupt && is_cut_off(&self.path) == Some(true) {
+        // a page that is missing is corruption, one of which a part is there a short read
+        let short = matches!(
+            error.sqlite_error_code(),
+            Some(ErrorCode::DatabaseCorrupt | ErrorCode::SystemIoFailure)
+        );
+        if short && is_cut_off(&self.path) == Some(true) {
             StorageError::CutOff
         } else {
             error.into()

@@ -10,7 +10,7 @@ mod summary;
 use super::collect::{Rules, collect};
 use super::measuring::Measuring;
 use super::output::print;
-use super::reading::{Reading, StreamRules};
+use super::reading::{Collecting, Reading};
 use crate::calibrate::{ModelChoice, choose_model, cross_validate};
 use crate::camera::Camera;
 use crate::detect::Detector;
@@ -22,7 +22,6 @@ use crate::source::read_board;
 use anyhow::Context;
 use lens::LensArguments;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 /// Arguments of `ringcal calibrate`.
 #[derive(Debug, clap::Args)]
@@ -43,7 +42,7 @@ pub struct Arguments {
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
-    stream_rules: StreamRules,
+    collecting: Collecting,
     /// Name of the camera in camera_info.yaml.
     #[arg(long, value_name = "NAME", default_value = "camera")]
     camera_name: String,
@@ -66,11 +65,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let detector = Detector::new(board, arguments.measuring.options());
     let rules = Rules {
         files: Some(SessionRules::for_files()),
-        stream: arguments.stream_rules.to_calibrate(),
+        stream: arguments.collecting.rules.to_calibrate(),
         options: options.clone(),
     };
-    let stop = AtomicBool::new(false);
-    let collected = collect(&detector, inputs, &rules, &stop)?;
+    let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
     let found = &collected.views;
     if arguments.lens.model() == ModelChoice::Auto {
         let chosen = choose_model(detector.board(), found, &options);

@@ -3,7 +3,7 @@
 use super::collect::{Rules, collect};
 use super::measuring::Measuring;
 use super::output::print;
-use super::reading::{Reading, StreamRules};
+use super::reading::{Collecting, Reading};
 use crate::board::Board;
 use crate::calibrate::{CalibrateOptions, Check, Difference, FIELD, check, difference};
 use crate::camera::Camera;
@@ -14,7 +14,6 @@ use crate::source::{read_board, read_camera_info};
 use anyhow::Context;
 use std::fmt::Write;
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 /// Arguments of `ringcal check`.
 #[derive(Debug, clap::Args)]
@@ -42,7 +41,7 @@ pub struct Arguments {
     #[command(flatten)]
     reading: Reading,
     #[command(flatten)]
-    stream_rules: StreamRules,
+    collecting: Collecting,
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -113,11 +112,10 @@ fn check_inputs(
     let detector = Detector::new(board, arguments.measuring.options());
     let rules = Rules {
         files: None,
-        stream: arguments.stream_rules.to_check(),
+        stream: arguments.collecting.rules.to_check(),
         options: CalibrateOptions::default(),
     };
-    let stop = AtomicBool::new(false);
-    let collected = collect(&detector, inputs, &rules, &stop)?;
+    let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
     let (views, inputs) = (collected.views, collected.frames);
     anyhow::ensure!(
         !views.is_empty(),

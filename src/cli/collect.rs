@@ -3,17 +3,19 @@
 mod files;
 mod stream;
 
+use super::interrupt::stop_flag;
 use super::looking::{Looking, Step};
+use super::progress::{Counts, Progress};
 use crate::board::Board;
 use crate::calibrate::CalibrateOptions;
 use crate::detect::{Detection, Detector};
 use crate::formats::Outcome;
-use crate::frame::Stamp;
+use crate::frame::{Frame, Stamp};
 use crate::session::{Coverage, Session, SessionRules, View};
 use crate::source::{Inputs, Origin};
 use files::Files;
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering;
 use stream::Stream;
 
 /// The views of a run and what became of its inputs.
@@ -56,43 +58,63 @@ struct Seen {
     found: Result<Detection, String>,
 }
 
-/// Looks for the board in all frames.
+/// Looks for the board in all frames, until there are no more or Ctrl-C says that these are enough.
 ///
 /// # Errors
-/// None of the inputs' own: what cannot be read is an outcome or a warning.
+/// Where Ctrl-C cannot be waited for. What cannot be read is an outcome or a warning.
 pub fn collect(
     detector: &Detector,
     inputs: Inputs,
     rules: &Rules,
-    stop: &AtomicBool,
+    quiet: bool,
 ) -> anyhow::Result<Collected> {
+    let stop = stop_flag()?;
+    let mut progress = Progress::new(quiet, inputs.frame_count());
     let mut files = Files::default();
     let mut stream = Stream::new(detector.board(), rules);
-    let look = |_: &Origin, frame: crate::frame::Frame| Seen {
+    let look = |_: &Origin, frame: Frame| Seen {
         found: detector.detect(&frame).map_err(|miss| miss.to_string()),
         frame_id: frame.source,
         stamp: frame.stamp,
     };
-    Looking::on_all_cores(stop).each(inputs.items(), look, |step| {
+    let looking = Looking::on_all_cores(&stop, true);
+    looking.each(inputs.items(), look, |step| {
         match step {
-            Step::Warning(text) => eprintln!("warning: {text}"),
+            Step::Warning(text) => progress.warn(&text),
             Step::Unreadable(origin, error) if origin.is_stream() => {
-                stream.unreadable(&origin, &error.to_string());
+                stream.unreadable(&origin, &error.to_string(), &progress);
             }
-            Step::Unreadable(origin, error) => files.add(origin, Err(error.to_string())),
-            Step::Looked(origin, seen) if origin.is_stream() => stream.add(&origin, &seen),
-            Step::Looked(origin, seen) => files.add(origin, seen.found),
+            Step::Unreadable(origin, error) => {
+                files.add(&origin, Err(error.to_string()), &progress);
+            }
+            Step::Repeat(origin) => stream.repeat(&origin),
+            Step::Looked(origin, seen) if origin.is_stream() => {
+                stream.add(&origin, &seen, &progress);
+            }
+            Step::Looked(origin, seen) => files.add(&origin, seen.found, &progress),
         }
+        progress.tell(Counts {
+            frames: files.count() + stream.frames(),
+            boards: files.boards() + stream.boards(),
+            views: stream.views().len(),
+        });
         Ok(ControlFlow::Continue(()))
     })?;
-    Ok(joined(detector.board(), files, stream, rules))
+    progress.finish();
+    if stop.load(Ordering::Relaxed) {
+        let frames = files.count() + stream.frames();
+        progress.warn(&format!(
+            "stopped after {frames} frames; going on with what they show"
+        ));
+    }
+    stream.tell(&progress);
+    Ok(joined(detector.board(), files, &stream, rules))
 }
 
 /// The views of files and bags together; those of another size than most are not of the same camera.
-fn joined(board: &Board, files: Files, stream: Stream, rules: &Rules) -> Collected {
-    stream.tell();
+fn joined(board: &Board, files: Files, stream: &Stream, rules: &Rules) -> Collected {
     let frames = files.count() + stream.frames();
-    let of_stream = stream.into_views();
+    let of_stream = stream.views();
     let sizes = of_stream.iter().map(|view| (view.width, view.height));
     let size = files::most_common_size(files.sizes().chain(sizes));
     let session = |rules: &SessionRules| Session::new(board.clone(), *rules);
@@ -105,14 +127,14 @@ fn joined(board: &Board, files: Files, stream: Stream, rules: &Rules) -> Collect
     for view in of_stream {
         match files::of_other_size((view.width, view.height), size) {
             Some(reason) => {
-                let source = view.source;
+                let source = view.source.clone();
                 collected.outcomes.push(Outcome::NotUsed { source, reason });
             }
             None => {
                 collected
                     .outcomes
                     .push(Outcome::Used(collected.views.len()));
-                collected.views.push(view);
+                collected.views.push(view.clone());
             }
         }
     }

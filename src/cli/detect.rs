@@ -68,11 +68,13 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     };
     let stop = AtomicBool::new(false);
     let looking = if inputs.have_bags() {
-        Looking::on_all_cores(&stop)
+        Looking::on_all_cores(&stop, false)
     } else {
         // one after the other, so that the time of each is its own
-        let (batch, stop) = (1, &stop);
-        Looking { batch, stop }
+        Looking {
+            batch: 1,
+            ..Looking::on_all_cores(&stop, false)
+        }
     };
     let keep = results.overlays.is_some();
     let look = |_: &Origin, frame| Seen::in_frame(frame, &detectors, keep);
@@ -131,6 +133,8 @@ impl Results {
                 eprintln!("warning: {text}");
                 return Ok(ControlFlow::Continue(()));
             }
+            // detect looks at every frame
+            Step::Repeat(_) => return Ok(ControlFlow::Continue(())),
             Step::Unreadable(origin, error) => {
                 self.unreadable += 1;
                 // the line begins with the path and the number already

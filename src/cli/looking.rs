@@ -1,19 +1,27 @@
 //! Frames looked at on all cores, the results in order, memory bounded.
 //!
-//! A batch of encoded frames is read, decoded in parallel and looked at in parallel, then the next one: however long a recording
-//! is, two batches are in memory at most. What comes out does not depend on the number of threads.
+//! A batch of encoded frames is read and decoded in parallel; of a stream, frames that repeat those before them are passed over.
+//! Once there are enough to keep all cores busy they are looked at in parallel. However long a recording is, three batches are in
+//! memory at most. What comes out does not depend on the number of threads.
 
-use crate::frame::Frame;
-use crate::source::{Item, Origin, Recorded, SourceError};
+use crate::frame::{Frame, Thumbnail};
+use crate::session::Repeats;
+use crate::source::{Item, Origin, SourceError};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Batches of which the results are told, although too few frames wait to keep all cores busy.
+const PATIENCE: usize = 16;
 
 /// How frames are looked at.
 #[derive(Debug, Clone, Copy)]
 pub struct Looking<'a> {
     /// Frames in a batch.
     pub batch: usize,
+    /// Whether frames of a stream that show what those before them showed are passed over.
+    pub skip_repeats: bool,
     /// Ends the reading once it is raised; what was read is still looked at.
     pub stop: &'a AtomicBool,
 }
@@ -25,21 +33,26 @@ pub enum Step<T> {
     Warning(String),
     /// There is no picture.
     Unreadable(Origin, SourceError),
+    /// It shows what the frames before it showed.
+    Repeat(Origin),
     /// It was looked at.
     Looked(Origin, T),
 }
 
-/// An item on its way.
-enum Slot {
-    Warning(String),
-    Encoded(Recorded),
+/// A frame that is decoded.
+struct Decoded {
+    frame: Frame,
+    thumbnail: Option<Thumbnail>,
 }
 
 impl Looking<'_> {
     /// Batches that keep all cores busy, although one frame takes longer than another.
-    pub fn on_all_cores(stop: &AtomicBool) -> Looking<'_> {
-        let batch = 2 * rayon::current_num_threads();
-        Looking { batch, stop }
+    pub fn on_all_cores(stop: &AtomicBool, skip_repeats: bool) -> Looking<'_> {
+        Looking {
+            batch: 2 * rayon::current_num_threads(),
+            skip_repeats,
+            stop,
+        }
     }
 
     /// Hands every frame to `look`, on any thread, and every result to `take`, in order, until that breaks it off.
@@ -53,16 +66,19 @@ impl Looking<'_> {
         mut take: impl FnMut(Step<T>) -> anyhow::Result<ControlFlow<()>>,
     ) -> anyhow::Result<()> {
         let mut items = items.fuse();
+        let mut streams = Streams::default();
         loop {
-            let slots = self.read(&mut items);
-            if slots.is_empty() {
-                return Ok(());
-            }
-            let steps: Vec<Step<T>> = slots
+            let (waiting, at_end) = self.gather(&mut items, &mut streams);
+            let steps: Vec<Step<T>> = waiting
                 .into_par_iter()
-                .map(|slot| match slot {
-                    Slot::Warning(text) => Step::Warning(text),
-                    Slot::Encoded(recorded) => looked(recorded, &look),
+                .map(|step| match step {
+                    Step::Warning(text) => Step::Warning(text),
+                    Step::Unreadable(origin, error) => Step::Unreadable(origin, error),
+                    Step::Repeat(origin) => Step::Repeat(origin),
+                    Step::Looked(origin, frame) => {
+                        let result = look(&origin, frame);
+                        Step::Looked(origin, result)
+                    }
                 })
                 .collect();
             for step in steps {
@@ -70,30 +86,89 @@ impl Looking<'_> {
                     return Ok(());
                 }
             }
+            if at_end {
+                return Ok(());
+            }
         }
+    }
+
+    /// Frames to look at and all that comes between them, until there is a batch of frames; and whether that is the end.
+    fn gather(
+        self,
+        items: &mut impl Iterator<Item = Item>,
+        streams: &mut Streams,
+    ) -> (Vec<Step<Frame>>, bool) {
+        let mut waiting = Vec::new();
+        let mut frames = 0;
+        while frames < self.batch && waiting.len() < PATIENCE * self.batch {
+            let read = self.read(items);
+            if read.is_empty() {
+                return (waiting, true);
+            }
+            let decoded: Vec<Step<Decoded>> =
+                read.into_par_iter().map(|i| self.decoded(i)).collect();
+            for step in decoded {
+                let step = streams.passed_over(step);
+                frames += usize::from(matches!(step, Step::Looked(..)));
+                waiting.push(step);
+            }
+        }
+        (waiting, false)
     }
 
     /// The next batch, encoded; empty at the end.
-    fn read(self, items: &mut impl Iterator<Item = Item>) -> Vec<Slot> {
-        let mut slots = Vec::new();
-        while slots.len() < self.batch && !self.stop.load(Ordering::Relaxed) {
-            match items.next() {
-                Some(Item::Frame(recorded)) => slots.push(Slot::Encoded(recorded)),
-                Some(Item::Warning(text)) => slots.push(Slot::Warning(text)),
-                None => break,
+    fn read(self, items: &mut impl Iterator<Item = Item>) -> Vec<Item> {
+        let wanted = || !self.stop.load(Ordering::Relaxed);
+        std::iter::from_fn(|| if wanted() { items.next() } else { None })
+            .take(self.batch)
+            .collect()
+    }
+
+    fn decoded(self, item: Item) -> Step<Decoded> {
+        let recorded = match item {
+            Item::Warning(text) => return Step::Warning(text),
+            Item::Frame(recorded) => recorded,
+        };
+        let origin = recorded.origin().clone();
+        match recorded.read() {
+            Ok(frame) => {
+                let compared = self.skip_repeats && origin.is_stream();
+                let thumbnail = compared.then(|| Thumbnail::of(&frame));
+                Step::Looked(origin, Decoded { frame, thumbnail })
             }
+            Err(error) => Step::Unreadable(origin, error),
         }
-        slots
     }
 }
 
-fn looked<T>(recorded: Recorded, look: impl Fn(&Origin, Frame) -> T) -> Step<T> {
-    let origin = recorded.origin().clone();
-    match recorded.read() {
-        Ok(frame) => {
-            let result = look(&origin, frame);
-            Step::Looked(origin, result)
+/// The repeats of one stream after the other.
+#[derive(Debug, Default)]
+struct Streams {
+    path: Option<PathBuf>,
+    repeats: Repeats,
+}
+
+impl Streams {
+    /// Drops the picture of a frame that is a repeat.
+    fn passed_over(&mut self, step: Step<Decoded>) -> Step<Frame> {
+        match step {
+            Step::Warning(text) => Step::Warning(text),
+            Step::Unreadable(origin, error) => Step::Unreadable(origin, error),
+            Step::Repeat(origin) => Step::Repeat(origin),
+            Step::Looked(origin, Decoded { frame, thumbnail }) => {
+                let repeats = thumbnail.is_some_and(|thumbnail| {
+                    if self.path.as_ref() != Some(&origin.path) {
+                        self.repeats = Repeats::default();
+                        self.path = Some(origin.path.clone());
+                    }
+                    self.repeats.is_repeat(thumbnail)
+                });
+                if repeats {
+                    Step::Repeat(origin)
+                } else {
+                    Step::Looked(origin, frame)
+                }
+            }
         }
-        Err(error) => Step::Unreadable(origin, error),
     }
 }

@@ -8,10 +8,12 @@ mod check;
 mod collect;
 mod demo;
 mod detect;
+mod interrupt;
 mod looking;
 mod measuring;
 mod node;
 mod output;
+mod progress;
 mod reading;
 mod simulate;
 

@@ -27,6 +27,16 @@ impl Reading {
     }
 }
 
+/// Options of a command that collects views.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub struct Collecting {
+    #[command(flatten)]
+    pub rules: StreamRules,
+    /// Say nothing of the progress and of the frames that went well.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
 /// Which frames of a bag become views: the node's rules, for a bag is the same stream of frames.
 #[derive(Debug, Clone, Copy, clap::Args)]
 pub struct StreamRules {

@@ -19,6 +19,7 @@ mod coverage;
 mod guidance;
 mod measures;
 mod motion;
+mod repeats;
 mod rules;
 mod variety;
 mod view;
@@ -28,6 +29,7 @@ pub use coverage::Coverage;
 pub use guidance::{Guidance, LeastCertain};
 pub use measures::{Measures, Progress};
 pub use motion::{Motion, motion};
+pub use repeats::Repeats;
 pub use rules::{Change, Offer, OnChange, SessionRules, Verdict};
 pub use view::View;
 

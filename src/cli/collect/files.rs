@@ -1,6 +1,7 @@
 //! Image files: whoever names them has chosen them, so all are used but repeats and strays.
 
 use super::Collected;
+use crate::cli::progress::Progress;
 use crate::detect::Detection;
 use crate::formats::Outcome;
 use crate::session::{Session, View};
@@ -10,15 +11,22 @@ use crate::source::Origin;
 #[derive(Debug, Default)]
 pub(super) struct Files {
     all: Vec<(String, Result<Detection, String>)>,
+    boards: u64,
 }
 
 impl Files {
     /// Takes in one file.
-    pub(super) fn add(&mut self, origin: Origin, found: Result<Detection, String>) {
+    pub(super) fn add(
+        &mut self,
+        origin: &Origin,
+        found: Result<Detection, String>,
+        progress: &Progress,
+    ) {
         let source = origin.to_string();
         if let Ok(detection) = &found {
+            self.boards += 1;
             let (rings, blur) = (detection.rings.len(), detection.blur_sigma_px());
-            eprintln!("{source}: {rings} rings, blur {blur:.1} px");
+            progress.remark(&format!("{source}: {rings} rings, blur {blur:.1} px"));
         }
         self.all.push((source, found));
     }
@@ -26,6 +34,11 @@ impl Files {
     /// How many there are.
     pub(super) fn count(&self) -> u64 {
         self.all.len() as u64
+    }
+
+    /// How many of them show the board.
+    pub(super) fn boards(&self) -> u64 {
+        self.boards
     }
 
     /// Sizes of the frames with a board.

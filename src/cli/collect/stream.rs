@@ -2,6 +2,7 @@
 
 use super::{Rules, Seen};
 use crate::board::Board;
+use crate::cli::progress::Progress;
 use crate::session::{Session, Verdict, View};
 use crate::source::Origin;
 use std::collections::BTreeMap;
@@ -16,6 +17,7 @@ pub(super) struct Stream {
     frames: u64,
     boards: u64,
     unreadable: u64,
+    repeats: u64,
     /// Why frames with a board were not kept, and how many.
     not_kept: BTreeMap<&'static str, u64>,
 }
@@ -30,12 +32,13 @@ impl Stream {
             frames: 0,
             boards: 0,
             unreadable: 0,
+            repeats: 0,
             not_kept: BTreeMap::new(),
         }
     }
 
     /// Takes in a frame that was looked at.
-    pub(super) fn add(&mut self, origin: &Origin, seen: &Seen) {
+    pub(super) fn add(&mut self, origin: &Origin, seen: &Seen, progress: &Progress) {
         self.next_frame(origin);
         let found = seen.found.as_ref();
         let Ok(offer) = self.session.observe(&seen.frame_id, seen.stamp, found) else {
@@ -43,7 +46,7 @@ impl Stream {
         };
         self.boards += 1;
         if offer.restart.is_some() {
-            eprintln!("warning: {origin}: {offer}");
+            progress.warn(&format!("{origin}: {offer}"));
         }
         if let Some(why) = not_kept(&offer.verdict) {
             *self.not_kept.entry(why).or_default() += 1;
@@ -51,13 +54,19 @@ impl Stream {
     }
 
     /// Takes in a frame without a picture; the first one is told, the others are counted.
-    pub(super) fn unreadable(&mut self, origin: &Origin, reason: &str) {
+    pub(super) fn unreadable(&mut self, origin: &Origin, reason: &str, progress: &Progress) {
         self.next_frame(origin);
         self.session.missed();
         self.unreadable += 1;
         if self.unreadable == 1 {
-            eprintln!("warning: {reason}");
+            progress.warn(reason);
         }
+    }
+
+    /// Takes in a frame that shows what those before it showed.
+    pub(super) fn repeat(&mut self, origin: &Origin) {
+        self.next_frame(origin);
+        self.repeats += 1;
     }
 
     fn next_frame(&mut self, origin: &Origin) {
@@ -74,24 +83,35 @@ impl Stream {
         self.frames
     }
 
-    /// Says what became of the frames.
-    pub(super) fn tell(&self) {
-        if self.frames == 0 {
-            return;
-        }
-        let (frames, boards, views) = (self.frames, self.boards, self.session.views().len());
-        eprintln!("{frames} frames of bags, {boards} with the board, {views} kept as views");
-        if self.unreadable > 0 {
-            eprintln!("  {} without a picture", self.unreadable);
-        }
-        for (why, count) in &self.not_kept {
-            eprintln!("  {count} not kept: {why}");
-        }
+    /// Frames in which the board was found.
+    pub(super) fn boards(&self) -> u64 {
+        self.boards
     }
 
     /// The views kept.
-    pub(super) fn into_views(self) -> Vec<View> {
-        self.session.views().to_vec()
+    pub(super) fn views(&self) -> &[View] {
+        self.session.views()
+    }
+
+    /// Says what became of the frames.
+    pub(super) fn tell(&self, progress: &Progress) {
+        if self.frames == 0 {
+            return;
+        }
+        let (frames, boards, views) = (self.frames, self.boards, self.views().len());
+        progress.remark(&format!(
+            "{frames} frames of bags, {boards} with the board, {views} kept as views"
+        ));
+        let counted = [
+            ("not looked at: as the frames before", self.repeats),
+            ("without a picture", self.unreadable),
+        ];
+        for (what, count) in counted.into_iter().filter(|(_, count)| *count > 0) {
+            progress.remark(&format!("  {count} {what}"));
+        }
+        for (why, count) in &self.not_kept {
+            progress.remark(&format!("  {count} not kept: {why}"));
+        }
     }
 }
 

@@ -87,10 +87,13 @@ mod tests {
     fn a_cut_file_is_unpacked_as_far_as_it_goes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.zstd");
-        // nothing in it repeats, so that it does not shrink to one block
-        let plain: Vec<u8> = (0..400_000_u32)
-            .map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8)
-            .collect();
+        // pseudo-random, so that it does not shrink to one block
+        let mut state = 1_u32;
+        let mut next = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 24) as u8
+        };
+        let plain: Vec<u8> = (0..400_000).map(|_| next()).collect();
         let packed = ::zstd::encode_all(&*plain, 1).unwrap();
         std::fs::write(&path, &packed).unwrap();
         let (file, damage) = unpacked_file(&path).unwrap();

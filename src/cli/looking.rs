@@ -172,3 +172,70 @@ impl Streams {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::Inputs;
+    use image::{GrayImage, Luma};
+
+    /// Files of which every third is no picture.
+    fn files(folder: &std::path::Path, count: u8) -> Vec<PathBuf> {
+        let write = |number: u8| {
+            let path = folder.join(format!("{number}.png"));
+            if number % 3 == 2 {
+                std::fs::write(&path, "no picture").unwrap();
+            } else {
+                let picture = GrayImage::from_pixel(4, 3, Luma([number]));
+                picture.save(&path).unwrap();
+            }
+            path
+        };
+        (0..count).map(write).collect()
+    }
+
+    /// The numbers that were taken, negative where there is no picture, until `until` of them.
+    fn taken(paths: &[PathBuf], batch: usize, stop: &AtomicBool, until: usize) -> Vec<i32> {
+        let items = Inputs::open(paths.to_vec(), None).unwrap().items();
+        let looking = Looking {
+            batch,
+            skip_repeats: true,
+            stop,
+        };
+        let number = |origin: &Origin| -> i32 {
+            let stem = origin.path.file_stem().unwrap();
+            stem.to_str().unwrap().parse().unwrap()
+        };
+        let mut all = Vec::new();
+        let look = |origin: &Origin, _: Frame| number(origin);
+        looking
+            .each(items, look, |step| {
+                all.push(match step {
+                    Step::Looked(_, number) => number,
+                    Step::Unreadable(origin, _) => -number(&origin),
+                    other => panic!("{other:?}"),
+                });
+                Ok(if all.len() < until {
+                    ControlFlow::Continue(())
+                } else {
+                    ControlFlow::Break(())
+                })
+            })
+            .unwrap();
+        all
+    }
+
+    #[test]
+    fn results_come_in_order_whatever_the_batch_until_nobody_wants_more() {
+        let folder = tempfile::tempdir().unwrap();
+        let paths = files(folder.path(), 20);
+        let expected: Vec<i32> = (0..20).map(|n| if n % 3 == 2 { -n } else { n }).collect();
+        let stop = AtomicBool::new(false);
+        for batch in [1, 3, 100] {
+            assert_eq!(taken(&paths, batch, &stop, usize::MAX), expected);
+            assert_eq!(taken(&paths, batch, &stop, 7), expected[..7]);
+        }
+        stop.store(true, Ordering::Relaxed);
+        assert!(taken(&paths, 3, &stop, usize::MAX).is_empty());
+    }
+}

@@ -170,7 +170,7 @@ impl Bag {
     /// # Errors
     /// [`TopicError`] with the topics there are.
     pub fn topic(&self, wanted: Option<&str>) -> Result<&Topic, TopicError> {
-        topic::choose(&self.path, &self.topics, wanted)
+        topic::choose((&self.path, &self.notes), &self.topics, wanted)
     }
 
     /// The messages of a topic in the order in which they were recorded; an error where a file ends early, after which the next

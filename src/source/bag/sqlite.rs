@@ -121,11 +121,22 @@ pub(super) fn topics(file: &BagFile) -> Result<Vec<Topic>, StorageError> {
     let mut statement = file.connection.prepare("SELECT topic_id FROM messages")?;
     let mut rows = statement.query([])?;
     // where the file ends early is told when it is read
-    while let Ok(Some(row)) = rows.next() {
+    let broken = loop {
+        let row = match rows.next() {
+            Ok(Some(row)) => row,
+            Ok(None) => break false,
+            Err(_) => break true,
+        };
         if let Ok(id) = row.get::<_, i64>(0)
             && let Some(topic) = topics.get_mut(&id)
         {
             topic.messages = topic.messages.map(|count| count + 1);
+        }
+    };
+    if broken {
+        // none that can be reached is not none
+        for topic in topics.values_mut() {
+            topic.messages = topic.messages.filter(|count| *count > 0);
         }
     }
     Ok(merged(topics.into_values()))

@@ -20,12 +20,14 @@ pub struct Topic {
 pub enum TopicError {
     /// The bag has no images.
     #[error(
-        "{}: the bag has no messages of type sensor_msgs/msg/Image or sensor_msgs/msg/CompressedImage",
-        bag.display()
+        "{}: the bag has no messages of type sensor_msgs/msg/Image or sensor_msgs/msg/CompressedImage{}",
+        bag.display(), notes.iter().map(|note| format!("\n  {note}")).collect::<String>()
     )]
     NoImages {
         /// The bag's path as given.
         bag: PathBuf,
+        /// What is wrong with it, which may be why.
+        notes: Vec<String>,
     },
     /// It has several topics with images, and none was named.
     #[error(
@@ -84,11 +86,11 @@ pub(super) fn merged(topics: impl IntoIterator<Item = Topic>) -> Vec<Topic> {
 
 /// The topic that was named, or else the only one with images; topics without a message do not count.
 pub(super) fn choose<'a>(
-    bag: &Path,
+    (bag, notes): (&Path, &[String]),
     topics: &'a [Topic],
     wanted: Option<&str>,
 ) -> Result<&'a Topic, TopicError> {
-    let bag = bag.to_owned();
+    let (bag, notes) = (bag.to_owned(), notes.to_vec());
     let mut filled = topics.iter().filter(|topic| topic.messages != Some(0));
     if let Some(wanted) = wanted {
         // a name may be given without the slash that it begins with in a bag
@@ -99,7 +101,7 @@ pub(super) fn choose<'a>(
         return found.ok_or_else(|| {
             let topics: Vec<_> = filled.cloned().collect();
             if topics.is_empty() {
-                return TopicError::NoImages { bag };
+                return TopicError::NoImages { bag, notes };
             }
             let wanted = wanted.to_owned();
             TopicError::Unknown {
@@ -110,7 +112,7 @@ pub(super) fn choose<'a>(
         });
     }
     match (filled.next(), filled.next()) {
-        (None, _) => Err(TopicError::NoImages { bag }),
+        (None, _) => Err(TopicError::NoImages { bag, notes }),
         (Some(only), None) => Ok(only),
         (Some(_), Some(_)) => {
             let filled = topics.iter().filter(|topic| topic.messages != Some(0));
@@ -134,7 +136,10 @@ mod tests {
 
     #[test]
     fn the_only_topic_is_found_and_of_several_one_must_be_named() {
-        let bag = Path::new("drive");
+        let bag = (
+            Path::new("drive"),
+            &["drive/a.mcap: it is cut off".to_owned()][..],
+        );
         let one = [topic("/a", Some(0)), topic("/b", Some(3))];
         assert_eq!(choose(bag, &one, None).unwrap().name, "/b");
         let two = [topic("/a", Some(1)), topic("/b", None)];
@@ -152,8 +157,9 @@ mod tests {
             "{message}"
         );
         for wanted in [None, Some("/a")] {
-            let refused = choose(bag, &one[..1], wanted);
-            assert!(matches!(refused, Err(TopicError::NoImages { .. })));
+            let refused = choose(bag, &one[..1], wanted).unwrap_err();
+            assert!(matches!(refused, TopicError::NoImages { .. }));
+            assert!(refused.to_string().ends_with("a.mcap: it is cut off"));
         }
     }
 

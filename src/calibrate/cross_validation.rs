@@ -53,16 +53,16 @@ pub fn cross_validate(
         guess: options.guess.or(Some(calibration.camera)),
         ..options.clone()
     };
-    let parts: Vec<Vec<(usize, f64, f64, f64, usize)>> = (0..folds)
+    let parts: Vec<Vec<HeldOut>> = (0..folds)
         .into_par_iter()
         .map(|fold| held_out(board, &views, &options, (fold, folds)))
         .collect::<Result<_, _>>()?;
     let mut view_factors = vec![None; calibration.views.len()];
     let (mut squares, mut rings) = (0.0, 0);
-    for (at, factor, rms_px, _, count) in parts.into_iter().flatten() {
-        view_factors[used[at]] = Some(factor);
-        squares += rms_px * rms_px * count as f64;
-        rings += count;
+    for view in parts.into_iter().flatten() {
+        view_factors[used[view.at]] = Some(view.factor);
+        squares += view.rms_px * view.rms_px * view.rings as f64;
+        rings += view.rings;
     }
     Ok(CrossValidation {
         folds,
@@ -71,13 +71,23 @@ pub fn cross_validate(
     })
 }
 
-/// The views of one part, predicted from the others: place, variance factor, rms (px), degrees of freedom, rings.
+/// A view predicted from others.
+struct HeldOut {
+    /// Its place among the views that are validated.
+    at: usize,
+    /// Sum of its squared whitened residuals over the degrees of freedom.
+    factor: f64,
+    rms_px: f64,
+    rings: usize,
+}
+
+/// The views of one part, predicted from the others.
 fn held_out(
     board: &Board,
     views: &[View],
     options: &CalibrateOptions,
     (fold, folds): (usize, usize),
-) -> Result<Vec<(usize, f64, f64, f64, usize)>, CalibrateError> {
+) -> Result<Vec<HeldOut>, CalibrateError> {
     let inside = |at: usize| at % folds == fold;
     let rest: Vec<View> = (0..views.len())
         .filter(|at| !inside(*at))
@@ -95,9 +105,11 @@ fn held_out(
     let told = places.into_iter().zip(resections);
     Ok(told
         .filter(|(_, r)| r.fit.used() && r.degrees > 0.0)
-        .map(|(at, r)| {
-            let rings = r.fit.residuals.len();
-            (at, r.cost / r.degrees, r.fit.rms_px, r.degrees, rings)
+        .map(|(at, r)| HeldOut {
+            at,
+            factor: r.cost / r.degrees,
+            rms_px: r.fit.rms_px,
+            rings: r.fit.residuals.len(),
         })
         .collect())
 }

@@ -61,8 +61,8 @@ pub(super) fn view_block(
             for j in 0..width {
                 let by = row[j];
                 block.gradient[j] += by * r;
-                for i in 0..=j {
-                    block.upper[(i, j)] += row[i] * by;
+                for (i, above) in row[..=j].iter().enumerate() {
+                    block.upper[(i, j)] += above * by;
                 }
             }
             block.cost += r * r;

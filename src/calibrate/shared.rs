@@ -144,7 +144,7 @@ impl Free {
         let place = |name: &str| names.iter().position(|n| *n == name);
         let mut columns: Vec<Column> = (0..names.len())
             .filter(|at| !fixed.contains(&names[*at]))
-            .map(|at| Column::at(at))
+            .map(Column::at)
             .collect();
         if let (true, Some(x), Some(y)) = (options.fixed.keeps_aspect(), place("fx"), place("fy")) {
             let ratio = camera.intrinsics.fy / camera.intrinsics.fx;

@@ -2,7 +2,6 @@
 
 use crate::camera::{Camera, Distortion, Intrinsics, LensModel};
 use crate::simulate::{Defocus, Psf, ThinLens};
-use anyhow::Context;
 use std::path::PathBuf;
 
 /// Arguments of `ringcal simulate`.
@@ -98,7 +97,7 @@ impl Arguments {
     ///
     /// # Errors
     /// Another number of coefficients than the lens model has.
-    pub fn camera(&self) -> anyhow::Result<Camera> {
+    pub fn camera(&self) -> Result<Camera, clap::Error> {
         let focal_px = self.focal_px.unwrap_or(f64::from(self.width));
         let needed = self.model.coefficient_count();
         let zeros = vec![0.0; needed];
@@ -107,13 +106,15 @@ impl Arguments {
         } else {
             &self.distortion
         };
-        let distortion = Distortion::new(self.model, given).with_context(|| {
+        let Some(distortion) = Distortion::new(self.model, given) else {
             let found = given.len();
-            format!(
-                "--distortion has {found} numbers, {} has {needed}",
+            let text = format!(
+                "--distortion has {found} numbers, {} has {needed}\n",
                 self.model
-            )
-        })?;
+            );
+            let kind = clap::error::ErrorKind::WrongNumberOfValues;
+            return Err(clap::Error::raw(kind, text));
+        };
         Ok(Camera {
             width: self.width,
             height: self.height,

@@ -1,9 +1,10 @@
 //! Tables 1 and 2 of the paper, reproduced on simulated frames, where the truth is known.
 //!
-//! `cargo run --release --example tables -- [--seeds N] [--first-seed N] [--views N] [--boards C1,C4] [--aperture F] [--output FILE]`
+//! `cargo run --release --example tables -- [--seeds N] [--first-seed N] [--views N] [--boards C1,C4] [--aperture F]
+//! [--blur lens|even] [--output FILE]`
 //!
 //! A camera of 5496 x 3672 px, focused at 7.5 m, sees the boards C1 to C4 at 7.5, 4, 3 and 2 m, 20 views each; the blur is that
-//! of a thin lens, a disc. The frames go through the detector, once with each method; the centres through the
+//! of a thin lens, a disc; with `--blur even` the same in the whole frame. The frames go through the detector, once with each method; the centres through the
 //! calibration with k1 and k2 free. The tables are written anew after every seed: a long run may be stopped.
 
 mod outcome;
@@ -26,6 +27,8 @@ pub struct Settings {
     targets: Vec<&'static Target>,
     /// Focal length over aperture.
     pub f_number: f64,
+    /// The blur of the board's distance everywhere, not that of each point's own.
+    pub even_blur: bool,
     output: Option<String>,
 }
 
@@ -75,6 +78,7 @@ impl Settings {
             views: 20,
             targets: TARGETS.iter().collect(),
             f_number: 8.0,
+            even_blur: false,
             output: None,
         };
         while let Some(name) = arguments.next() {
@@ -87,6 +91,13 @@ impl Settings {
                 "--views" => settings.views = value.parse()?,
                 "--boards" => settings.targets = targets(&value)?,
                 "--aperture" => settings.f_number = value.parse()?,
+                "--blur" => {
+                    settings.even_blur = match value.as_str() {
+                        "lens" => false,
+                        "even" => true,
+                        other => bail!("unknown blur {other}; known are lens, even"),
+                    }
+                }
                 "--output" => settings.output = Some(value),
                 other => bail!("unknown argument {other}"),
             }

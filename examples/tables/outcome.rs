@@ -7,6 +7,7 @@ use nalgebra::{DVector, Matrix2, Vector2};
 use ringcal::board::Board;
 use ringcal::calibrate::{CalibrateOptions, Calibration, Fixed, ViewFit};
 use ringcal::centre::Estimator;
+use ringcal::detect::Ring;
 use ringcal::refine::calibrate_refined;
 use ringcal::session::View;
 use ringcal::simulate::Truth;
@@ -39,11 +40,10 @@ impl Method {
     /// What the calibration is told that measured the centres.
     fn measured_by(self) -> Estimator {
         match self {
-            Self::Default => Estimator::Photometric,
+            // centres without a covariance are then taken for points
+            Self::Default | Self::Gcs => Estimator::Photometric,
             Self::Cross => Estimator::Cross,
             Self::SmallEllipse => Estimator::SmallEllipse,
-            // perspective does not displace this one, so that none is accounted for
-            Self::Gcs => Estimator::PolePolar,
         }
     }
 
@@ -69,6 +69,8 @@ pub struct Outcome {
     pub rms_px: f64,
     pub views: usize,
     pub centres: Centres,
+    /// Those of the rings that are not at the sheet's edge.
+    pub inside: Centres,
 }
 
 /// Errors of the centres of all views.
@@ -101,9 +103,20 @@ impl Outcome {
             ..CalibrateOptions::default()
         };
         let (calibration, views) = calibrate_refined(board, &views, &options)?;
-        let mut centres = Centres::default();
+        let (mut centres, mut inside) = (Centres::default(), Centres::default());
         for ((view, fit), truth) in views.iter().zip(&calibration.views).zip(truths) {
-            centres.add_view(board, view, fit, truth, &calibration);
+            let errors = CentreErrors {
+                board,
+                truth,
+                fit,
+                calibration: &calibration,
+            };
+            for (i, ring) in view.rings.iter().enumerate() {
+                centres.add(&errors, ring, i);
+                if is_inside(board, ring) {
+                    inside.add(&errors, ring, i);
+                }
+            }
         }
         let values = calibration.values();
         Ok(Self {
@@ -113,6 +126,7 @@ impl Outcome {
             rms_px: calibration.rms_px,
             views: calibration.views_used(),
             centres,
+            inside,
         })
     }
 
@@ -141,34 +155,54 @@ fn joint(calibration: &Calibration) -> f64 {
         .map_or(f64::NAN, |factor| scaled.dot(&factor.solve(&scaled)))
 }
 
+/// What a view's centres are compared with.
+struct CentreErrors<'a> {
+    board: &'a Board,
+    truth: &'a Truth,
+    fit: &'a ViewFit,
+    calibration: &'a Calibration,
+}
+
+impl CentreErrors<'_> {
+    /// Measured less true projected centre. A square board may be seen turned: its labels are then others, the rings the same.
+    fn error(&self, ring: &Ring) -> Option<Vector2<f64>> {
+        let known = self.truth.rings.iter();
+        known
+            .map(|known| ring.centre.point - known.centre)
+            .min_by(|a, b| a.norm().total_cmp(&b.norm()))
+    }
+
+    /// What the estimator measures less the projected centre, as the calibration predicts it: measured less residual is
+    /// the prediction, and that less the projection is the displacement.
+    fn displacement(&self, ring: &Ring, at: usize) -> Option<Vector2<f64>> {
+        let residual = (*self.fit.residuals.get(at)?)?;
+        let on_board = self.board.centre_m(ring.row, ring.column);
+        let point = self.fit.pose?.board_to_camera(on_board);
+        let projected = self.calibration.camera.project(&point)?;
+        Some(ring.centre.point - residual - projected)
+    }
+}
+
+/// Whether a ring has others on all sides.
+fn is_inside(board: &Board, ring: &Ring) -> bool {
+    let between = |i: u16, count: u16| i > 0 && i + 1 < count;
+    between(ring.row, board.rows()) && between(ring.column, board.columns())
+}
+
 impl Centres {
-    fn add_view(
-        &mut self,
-        board: &Board,
-        view: &View,
-        fit: &ViewFit,
-        truth: &Truth,
-        calibration: &Calibration,
-    ) {
-        for (i, ring) in view.rings.iter().enumerate() {
-            let point = ring.centre.point;
-            // a square board may be seen turned: its labels are then others, the rings the same
-            let nearest = truth
-                .rings
-                .iter()
-                .map(|known| point - known.centre)
-                .min_by(|a, b| a.norm().total_cmp(&b.norm()));
-            let Some(error) = nearest else { continue };
-            let label = (ring.row, ring.column);
-            let displaced = displaced(board, label, i, fit, calibration, point.coords);
-            let rest = error - displaced.unwrap_or_default();
-            self.rings += 1;
-            self.left_out += usize::from(!fit.rings_used.get(i).is_some_and(|used| *used));
-            self.squares += error.norm_squared();
-            self.squares_predicted += rest.norm_squared();
-            if let Some(covariance) = ring.centre.covariance {
-                self.add_scores(rest, &covariance);
-            }
+    /// Adds one ring, the view's `at`th.
+    fn add(&mut self, errors: &CentreErrors, ring: &Ring, at: usize) {
+        let Some(error) = errors.error(ring) else {
+            return;
+        };
+        let rest = error - errors.displacement(ring, at).unwrap_or_default();
+        let used = errors.fit.rings_used.get(at) == Some(&true);
+        self.rings += 1;
+        self.left_out += usize::from(!used);
+        self.squares += error.norm_squared();
+        self.squares_predicted += rest.norm_squared();
+        if let Some(covariance) = ring.centre.covariance {
+            self.add_scores(rest, &covariance);
         }
     }
 
@@ -185,20 +219,4 @@ impl Centres {
             self.beyond += usize::from(score.abs() > 2.5);
         }
     }
-}
-
-/// What the estimator measures less the projected centre, as the calibration predicts it: measured less residual is
-/// the prediction, and that less the projection is the displacement.
-fn displaced(
-    board: &Board,
-    (row, column): (u16, u16),
-    ring: usize,
-    fit: &ViewFit,
-    calibration: &Calibration,
-    measured: Vector2<f64>,
-) -> Option<Vector2<f64>> {
-    let residual = (*fit.residuals.get(ring)?)?;
-    let point = fit.pose?.board_to_camera(board.centre_m(row, column));
-    let projected = calibration.camera.project(&point)?;
-    Some(measured - residual - projected.coords)
 }

@@ -60,7 +60,7 @@ pub fn take(target: &Target, seed: u64, settings: &Settings) -> Result<Vec<Shot>
     let all = poses.into_par_iter().enumerate();
     all.map(|(i, pose)| {
         let noise_seed = 1000 * seed + i as u64;
-        shoot(target, &board, pose, settings.f_number, noise_seed)
+        shoot(target, &board, pose, settings, noise_seed)
     })
     .collect()
 }
@@ -69,14 +69,17 @@ fn shoot(
     target: &Target,
     board: &Board,
     pose: Pose,
-    f_number: f64,
+    settings: &Settings,
     noise_seed: u64,
 ) -> Result<Shot> {
     let mut scene = Scene::new(truth(), board.clone(), pose);
     scene.light.margin = target.margin(board);
-    scene.defocus = Defocus::ThinLens {
-        psf: Psf::Disc,
-        lens: lens(f_number),
+    let lens = lens(settings.f_number);
+    scene.defocus = if settings.even_blur {
+        Defocus::disc(lens.radius_px(target.distance_m).abs())
+    } else {
+        let psf = Psf::Disc;
+        Defocus::ThinLens { psf, lens }
     };
     scene.sensor = Sensor {
         read_noise: NOISE,

@@ -42,8 +42,8 @@ pub fn text(summaries: &[Summary], settings: &Settings) -> String {
     }
     out.push_str(
         "\n### Errors of the centres\n\n\
-         | board, distance | disc radius, px | method | boards | rings (left out) | rmse, px | less the displacement predicted, px | mean square z | beyond 2.5, % |\n\
-         |---|---|---|---|---|---|---|---|---|\n",
+         | board, distance | disc radius, px | method | boards | rings (left out) | rmse, px | less the displacement predicted, px | mean square z | beyond 2.5, % | inside the border |\n\
+         |---|---|---|---|---|---|---|---|---|---|\n",
     );
     for summary in summaries {
         centres(&mut out, summary, settings);
@@ -64,12 +64,13 @@ pub fn line(outcome: &Outcome) -> String {
     let c = &outcome.centres;
     let z: Vec<String> = scores(outcome).map(|z| format!("{z:.2}")).collect();
     format!(
-        "{} views: {} rms {:.4} px; centres {:.4} px, z2 {:.2}; z of parameters {}",
+        "{} views: {} rms {:.4} px; centres {:.4} px, z2 {:.2} (inside {:.2}); z of parameters {}",
         outcome.views,
         with_std(outcome),
         outcome.rms_px,
         root_mean(c.squares, c.rings),
         c.score_squares / c.scores as f64,
+        outcome.inside.score_squares / outcome.inside.scores as f64,
         z.join(" ")
     )
 }
@@ -117,12 +118,16 @@ fn centres(out: &mut String, summary: &Summary, settings: &Settings) {
         let scores: usize = all.clone().map(|c| c.scores).sum();
         let squares: f64 = all.clone().map(|c| c.score_squares).sum();
         let beyond: usize = all.map(|c| c.beyond).sum();
+        let inside = summary.of(method).map(|outcome| outcome.inside);
+        let inside_scores: usize = inside.clone().map(|c| c.scores).sum();
+        let inside_squares: f64 = inside.map(|c| c.score_squares).sum();
         let z = match scores {
-            0 => "- | -".to_owned(),
+            0 => "- | - | -".to_owned(),
             n => format!(
-                "{:.2} | {:.1}",
+                "{:.2} | {:.1} | {:.2}",
                 squares / n as f64,
-                100.0 * beyond as f64 / n as f64
+                100.0 * beyond as f64 / n as f64,
+                inside_squares / inside_scores as f64
             ),
         };
         let boards: usize = summary.of(method).map(|outcome| outcome.views).sum();

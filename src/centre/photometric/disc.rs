@@ -38,6 +38,13 @@ pub(super) struct Disc {
 /// A chord of the disc: half its width, and its share of the pixel's height over the disc's area.
 type Chord = (f32, f32);
 
+/// Where a node is against a vector of pixels, and its rise.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Place {
+    begin: f32,
+    rise: f32,
+}
+
 impl Disc {
     /// The chords that stand for a pixel's height about `y` from the disc's middle.
     #[inline(always)]
@@ -72,6 +79,7 @@ impl Disc {
 
 impl Kernel for Disc {
     type Row = [Chord; 3];
+    type Part = Place;
 
     fn spacing(radius: f64) -> f64 {
         SPACING.0 + (SPACING.1 - SPACING.0) * (radius / LARGE).min(1.0)
@@ -98,26 +106,33 @@ impl Kernel for Disc {
     }
 
     #[inline(always)]
-    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row {
-        self.rows[stamp.table + i - stamp.rows.0]
+    fn row(&self, at: usize) -> Self::Row {
+        self.rows[at]
     }
 
     #[inline(always)]
-    fn sum(&self, row: &Self::Row, node: &Node, _: usize, vector: usize) -> Lanes {
-        let begin = (vector * LANES) as f32 - node.x;
+    fn part(&self, node: &Node, _: usize, vector: usize) -> Place {
+        Place {
+            begin: (vector * LANES) as f32 - node.x,
+            rise: node.rise,
+        }
+    }
+
+    #[inline(always)]
+    fn sum(&self, row: &Self::Row, part: &Place) -> Lanes {
         let mut sum = [0.0; LANES];
         for &(half_width, weight) in row {
             for (l, sum) in sum.iter_mut().enumerate() {
-                let z = begin + l as f32;
+                let z = part.begin + l as f32;
                 *sum += weight * (ramp(z + half_width).0 - ramp(z - half_width).0);
             }
         }
-        sum
+        sum.map(|sum| part.rise * sum)
     }
 
     #[inline(always)]
-    fn all(&self, row: &Self::Row, node: &Node, _: usize, vector: usize) -> [Lanes; 3] {
-        let begin = (vector * LANES) as f32 - node.x;
+    fn all(&self, row: &Self::Row, part: &Place) -> [Lanes; 3] {
+        let begin = part.begin;
         let shrink = 2.0 / self.radius;
         let (mut sums, mut shares, mut slopes) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for &(half_width, weight) in row {
@@ -127,14 +142,18 @@ impl Kernel for Disc {
                 let z = begin + l as f32;
                 let (enters, enter_slope) = ramp(z + half_width);
                 let (leaves, leave_slope) = ramp(z - half_width);
-                let part = weight * (enters - leaves);
-                *sum += part;
+                let own = weight * (enters - leaves);
+                *sum += own;
                 *share += weight * (enter_slope - leave_slope);
                 // the disc's area is in the weights, and grows too
-                *slope += growth * (enter_slope + leave_slope) - shrink * part;
+                *slope += growth * (enter_slope + leave_slope) - shrink * own;
             }
         }
-        [sums, shares, slopes]
+        [
+            sums.map(|sum| part.rise * sum),
+            shares,
+            slopes.map(|slope| part.rise * slope),
+        ]
     }
 
     #[inline(always)]

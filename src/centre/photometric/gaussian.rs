@@ -26,7 +26,7 @@ pub(super) struct Gaussian {
 
 /// The kernel across a vector of pixels.
 #[derive(Debug, Clone, Copy)]
-struct Across {
+pub(super) struct Across {
     /// Share of all up to a pixel, averaged over it.
     sum: Lanes,
     /// Share of the kernel in each pixel.
@@ -91,6 +91,7 @@ impl Across {
 impl Kernel for Gaussian {
     /// Share of the kernel in the row, and its change by sigma.
     type Row = [f32; 2];
+    type Part = Across;
 
     fn spacing(sigma: f64) -> f64 {
         SPACING * sigma.max(LEAST_SIGMA)
@@ -126,26 +127,35 @@ impl Kernel for Gaussian {
     }
 
     #[inline(always)]
-    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row {
-        self.down[stamp.table + i - stamp.rows.0]
+    fn row(&self, at: usize) -> Self::Row {
+        self.down[at]
     }
 
     #[inline(always)]
-    fn sum(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> Lanes {
+    fn part(&self, node: &Node, j: usize, vector: usize) -> Across {
         let across = &self.across[self.begins[j] + vector - self.stamps[j].vectors.0];
-        across.sum.map(|sum| row[0] * sum)
-    }
-
-    #[inline(always)]
-    fn all(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> [Lanes; 3] {
-        let across = &self.across[self.begins[j] + vector - self.stamps[j].vectors.0];
-        let [share, change] = *row;
-        let sum = across.sum.map(|sum| share * sum);
-        let mut by_sigma = across.sum_by_sigma.map(|slope| share * slope);
-        for (slope, sum) in by_sigma.iter_mut().zip(&across.sum) {
-            *slope += change * sum;
+        Across {
+            sum: across.sum.map(|sum| node.rise * sum),
+            share: across.share,
+            sum_by_sigma: across.sum_by_sigma.map(|slope| node.rise * slope),
         }
-        [sum, across.share.map(|pixel| share * pixel), by_sigma]
+    }
+
+    #[inline(always)]
+    fn sum(&self, row: &Self::Row, part: &Across) -> Lanes {
+        part.sum.map(|sum| row[0] * sum)
+    }
+
+    #[inline(always)]
+    fn all(&self, row: &Self::Row, part: &Across) -> [Lanes; 3] {
+        let [share, change] = *row;
+        let (mut sum, mut pixel, mut by_sigma) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            sum[l] = share * part.sum[l];
+            pixel[l] = share * part.share[l];
+            by_sigma[l] = share * part.sum_by_sigma[l] + change * part.sum[l];
+        }
+        [sum, pixel, by_sigma]
     }
 
     #[inline(always)]

@@ -30,6 +30,7 @@ mod fit;
 mod gamma;
 mod gaussian;
 mod gram;
+mod hearing;
 mod jury;
 mod kept;
 mod law;

@@ -9,8 +9,9 @@
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
 use super::disc::Disc;
-use super::gaussian::Gaussian;
+use super::gaussian::{Gaussian, LEAST_SIGMA};
 use super::shape::{SHAPE_PARAMETERS, Shape};
+use super::sharp::{self, SharpCircle};
 use super::window::Grid;
 
 /// Pixels that are computed at once; rows are padded to whole multiples.
@@ -92,11 +93,22 @@ impl Coverage {
                 radius,
             };
             let planes = (&mut self.circles[circle], &mut self.changes);
+            let sharp = (psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA)
+                .then(|| SharpCircle::new(grid, shape, radius, kernel_size.max(LEAST_SIGMA)));
+            if let Some(sharp) = sharp.flatten() {
+                sharp.cover(grid, planes, contrast);
+                continue;
+            }
             match psf {
                 Psf::Gaussian => {
                     outline.cover(&mut self.gaussian, kernel_size, planes, contrast)?
                 }
-                Psf::Disc => outline.cover(&mut self.disc, kernel_size, planes, contrast)?,
+                Psf::Disc => {
+                    let spacing = Disc::spacing(kernel_size);
+                    trace(outline.nodes, grid, shape, radius, spacing)?;
+                    let disc = (grid, outline.nodes.as_slice(), kernel_size);
+                    self.disc.cover(disc, planes, contrast);
+                }
             }
         }
         if growth != 1.0 && contrasts.is_some() {

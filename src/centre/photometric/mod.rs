@@ -44,6 +44,7 @@ mod refit;
 mod response;
 mod ring;
 mod shape;
+mod sharp;
 mod sheet;
 mod sheet_start;
 mod start;

@@ -68,10 +68,10 @@ fn edges(begin: f32, scale: f32) -> (Lanes, Lanes) {
 }
 
 impl Across {
+    /// From density and distribution at the left edges of a vector of pixels and at the right ones.
     #[inline(always)]
-    fn new(begin: f32, scale: f32, sigma: f32) -> Self {
-        let (d0, c0) = edges(begin, scale);
-        let (d1, c1) = edges(begin + scale, scale);
+    fn new(begin: f32, scale: f32, sigma: f32, [left, right]: [(Lanes, Lanes); 2]) -> Self {
+        let ((d0, c0), (d1, c1)) = (left, right);
         let mut across = Self {
             sum: [0.0; LANES],
             share: [0.0; LANES],
@@ -86,6 +86,18 @@ impl Across {
         }
         across
     }
+}
+
+/// What follows one place after the values of a vector: all but its first, and the first of the next vector.
+#[inline(always)]
+fn shifted(values: &Lanes, next: &Lanes) -> Lanes {
+    std::array::from_fn(|l| {
+        if l + 1 < LANES {
+            values[l + 1]
+        } else {
+            next[0]
+        }
+    })
 }
 
 impl Kernel for Gaussian {
@@ -114,9 +126,15 @@ impl Kernel for Gaussian {
                 continue;
             }
             self.down_of(node.y, stamp.rows, scale);
+            let begin = |vector: usize| ((vector * LANES) as f32 - 0.5 - node.x) * scale;
+            // the right edges of pixels are the left ones of the next
+            let mut left = edges(begin(stamp.vectors.0), scale);
             for vector in stamp.vectors.0..stamp.vectors.1 {
-                let begin = ((vector * LANES) as f32 - 0.5 - node.x) * scale;
-                self.across.push(Across::new(begin, scale, sigma));
+                let next = edges(begin(vector + 1), scale);
+                let right = (shifted(&left.0, &next.0), shifted(&left.1, &next.1));
+                let across = Across::new(begin(vector), scale, sigma, [left, right]);
+                self.across.push(across);
+                left = next;
             }
         }
     }

@@ -36,7 +36,8 @@ fn camera() -> Camera {
             k1: -0.2,
             k2: 0.08,
             ..PlumbBob::default()
-        },
+        }
+        .into(),
     }
 }
 

@@ -78,7 +78,7 @@ fn kinds() -> Result<Vec<Kind>> {
         Kind {
             // large rings close together
             board: Board::new(5, 6, 0.03, 0.0055, 0.0105, Polarity::LightOnDark)?,
-            distortion: PlumbBob::default(),
+            distortion: PlumbBob::default().into(),
             read_noise: 0.02,
             shading: [0.0, -0.2],
             depth: BitDepth::Sixteen,
@@ -166,6 +166,6 @@ fn camera(distortion: PlumbBob) -> Camera {
             cx: 645.0,
             cy: 472.0,
         },
-        distortion,
+        distortion: distortion.into(),
     }
 }

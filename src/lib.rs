@@ -9,7 +9,7 @@
 //! use ringcal::session::{Session, SessionRules, View};
 //! # use ringcal::{camera::{Camera, Intrinsics, PlumbBob}, simulate::{Defocus, Scene, render, views}};
 //! # let intrinsics = Intrinsics { fx: 600.0, fy: 600.0, cx: 319.5, cy: 239.5 };
-//! # let truth = Camera { width: 640, height: 480, intrinsics, distortion: PlumbBob::default() };
+//! # let truth = Camera { width: 640, height: 480, intrinsics, distortion: PlumbBob::default().into() };
 //! # let text = include_str!("../config/a4.yaml");
 //!
 //! let board = Board::from_yaml(text)?;
@@ -40,6 +40,7 @@
 //! | | [`refine`](mod@refine) | `View`s, `Calibration` | the `View`s with better centres, to calibrate from again |
 //! | what it speaks of | [`board`], [`camera`] | | the print; pinhole, lens, pose, homography |
 //! | its surroundings | [`source`], [`formats`], [`report`] | | image files; files read and written; pictures and pages |
+//! | the print | [`print`](mod@print) | `Board`, paper; or a camera | the sheet as SVG, PDF or PNG; or the board for that camera |
 //! | | [`ros`], [`cli`] | | the ROS 2 node; the subcommands |
 //! | the truth | [`simulate`] | camera, pose, defocus, noise | a frame and where its rings truly are |
 //!
@@ -60,6 +61,7 @@ pub mod detect;
 pub mod enhance;
 pub mod formats;
 pub mod frame;
+pub mod print;
 pub mod refine;
 pub mod report;
 pub mod ros;

@@ -103,7 +103,7 @@ fn a_camera_of_another_size_is_left_aside_with_a_warning() {
             cx: 79.5,
             cy: 59.5,
         },
-        distortion: PlumbBob::default(),
+        distortion: PlumbBob::default().into(),
     };
     let text = CameraInfo::new("camera", camera).to_yaml();
     std::fs::write(folder.path().join("camera_info.yaml"), text).unwrap();

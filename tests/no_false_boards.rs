@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Vector3};
 use ringcal::board::{Board, Polarity};
-use ringcal::camera::{Camera, Intrinsics, PlumbBob, Pose};
+use ringcal::camera::{Camera, Distortion, Intrinsics, PlumbBob, Pose};
 use ringcal::detect::{DetectOptions, Detection, Detector, Miss};
 use ringcal::simulate::{Defocus, Light, Scene, render, views};
 
@@ -15,13 +15,13 @@ const CAMERA: Camera = Camera {
         cx: 480.0,
         cy: 360.0,
     },
-    distortion: PlumbBob {
+    distortion: Distortion::PlumbBob(PlumbBob {
         k1: -0.1,
         k2: 0.02,
         p1: 0.0,
         p2: 0.0,
         k3: 0.0,
-    },
+    }),
 };
 
 fn board(rows: u16, columns: u16, inner_m: f64, polarity: Polarity) -> Board {

@@ -23,7 +23,8 @@ fn camera(width: u32, height: u32, focal_px: f64) -> Camera {
             k1: -0.25,
             k2: 0.08,
             ..PlumbBob::default()
-        },
+        }
+        .into(),
     }
 }
 
@@ -123,7 +124,7 @@ fn no_symmetric_blur_moves_the_first_moments() {
 fn a_small_circle_has_the_area_of_its_ellipse() {
     // an affine view from far away: area = pi (R^2 - r^2) (f / z)^2 cos(tilt), up to (R / z)^2
     let mut scene = ring();
-    scene.camera.distortion = PlumbBob::default();
+    scene.camera.distortion = PlumbBob::default().into();
     scene.camera.intrinsics.fx = 260e4;
     scene.camera.intrinsics.fy = 260e4;
     scene.pose.translation_m = Vector3::new(0.0, 0.0, 0.2e4);
@@ -365,7 +366,7 @@ fn nonsense_is_refused_with_its_name() {
     );
     let near = refused(|s| {
         s.pose = Pose::from_rotation_vector(Vector3::zeros(), Vector3::new(0.0, 0.0, 1e-4));
-        s.camera.distortion = PlumbBob::default();
+        s.camera.distortion = PlumbBob::default().into();
     });
     assert!(matches!(near, SceneError::TooNear { .. }), "{near}");
 }

@@ -27,7 +27,8 @@ fn scene(defocus: Defocus) -> Scene {
             p1: 0.002,
             p2: -0.003,
             k3: 0.02,
-        },
+        }
+        .into(),
     };
     let board = Board::new(2, 2, 0.05, 0.009, 0.02, Polarity::DarkOnLight).unwrap();
     let pose = Pose::from_rotation_vector(

@@ -23,7 +23,8 @@ fn camera() -> Camera {
             p1: 0.0008,
             p2: -0.0006,
             k3: 0.0,
-        },
+        }
+        .into(),
     }
 }
 
@@ -135,7 +136,7 @@ fn ellipse_centres_carry_the_perspective_bias_and_the_constructions_do_not() {
         cx: 640.0,
         cy: 480.0,
     };
-    wide.distortion = PlumbBob::default();
+    wide.distortion = PlumbBob::default().into();
     let pose = views(&wide, &board, 3, 40_f64.to_radians(), 2).unwrap()[0];
     let scene = Scene::new(wide, board.clone(), pose);
     let rendering = render(&scene, 0).unwrap();
@@ -278,7 +279,8 @@ fn a_strong_wide_lens_keeps_the_corners_of_the_board() {
         p1: 0.0,
         p2: 0.0,
         k3: 0.0,
-    };
+    }
+    .into();
     let board = board(Polarity::DarkOnLight);
     for pose in views(&wide, &board, 6, 0.4, 3).unwrap() {
         let mut scene = Scene::new(wide, board.clone(), pose);

@@ -42,7 +42,7 @@ impl Place {
             width: side,
             height: side,
             intrinsics,
-            distortion: PlumbBob::default(),
+            distortion: PlumbBob::default().into(),
         };
         let depth_m = FOCAL_PX * OUTER_M / outer_px;
         let shift = |step: f64| (step * number as f64).fract() * depth_m / FOCAL_PX;

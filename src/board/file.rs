@@ -1,4 +1,4 @@
-//! The text of a board file.
+//! The text of a board file, read and written.
 
 use super::{Board, BoardError, Polarity};
 use serde::Deserialize;
@@ -43,6 +43,45 @@ impl Board {
         )?
         .with_marks(file.marks)
     }
+
+    /// The text of a board file that [`Board::from_yaml`] reads back as this very board: a line for each key.
+    pub fn to_yaml(&self) -> String {
+        let line = |(key, value)| format!("{key}: {value}\n");
+        self.entries().into_iter().map(line).collect()
+    }
+
+    /// The same in one line, `{rows: 5, columns: 7, ...}`; it may be broken at any space and stays the same YAML.
+    pub fn to_yaml_line(&self) -> String {
+        let entries = self.entries();
+        let entries = entries.iter().map(|(key, value)| format!("{key}: {value}"));
+        format!("{{{}}}", entries.collect::<Vec<_>>().join(", "))
+    }
+
+    /// Keys and values, in the order of the documentation.
+    fn entries(&self) -> Vec<(&'static str, String)> {
+        // the shortest decimal number that reads back as the same one
+        let mut entries = vec![
+            ("rows", self.rows.to_string()),
+            ("columns", self.columns.to_string()),
+        ];
+        if !self.is_single() {
+            entries.push(("pitch", self.pitch_m.to_string()));
+        }
+        entries.push(("inner_radius", self.inner_radius_m.to_string()));
+        entries.push(("outer_radius", self.outer_radius_m.to_string()));
+        entries.push(("polarity", self.polarity.name().to_owned()));
+        if !self.marks.is_empty() {
+            entries.push(("marks", marks_text(&self.marks)));
+        }
+        entries
+    }
+}
+
+fn marks_text(marks: &[(u16, u16)]) -> String {
+    let marks = marks
+        .iter()
+        .map(|(row, column)| format!("[{row}, {column}]"));
+    format!("[{}]", marks.collect::<Vec<_>>().join(", "))
 }
 
 fn present(name: &'static str, value: Option<f64>) -> Result<f64, BoardError> {
@@ -76,6 +115,21 @@ mod tests {
     fn a_single_ring_needs_no_pitch() {
         let text = "rows: 1\ncolumns: 1\ninner_radius: 0.05\nouter_radius: 0.1\n";
         assert!(Board::from_yaml(text).unwrap().is_single());
+    }
+
+    #[test]
+    fn what_is_written_reads_back_as_the_same_board() {
+        let single = "rows: 1\ncolumns: 1\ninner_radius: 0.05\nouter_radius: 1\npolarity: auto\n";
+        let marked = format!("{C4}marks: [[0, 0], [0, 1], [1, 0]]\n");
+        for text in [C4, single, &marked] {
+            let board = Board::from_yaml(text).unwrap();
+            assert_eq!(board.to_yaml(), text);
+            let line = board.to_yaml_line();
+            assert_eq!(Board::from_yaml(&line).unwrap(), board);
+            assert_eq!(Board::from_yaml(&line.replace(' ', "\n  ")).unwrap(), board);
+        }
+        let odd = Board::new(2, 3, 0.1 + 0.2, 1e-7, 1.0 / 7.0, Polarity::LightOnDark).unwrap();
+        assert_eq!(Board::from_yaml(&odd.to_yaml()).unwrap(), odd);
     }
 
     #[test]

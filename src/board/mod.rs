@@ -21,6 +21,17 @@ pub enum Polarity {
     Auto,
 }
 
+impl Polarity {
+    /// The name in a board file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::DarkOnLight => "dark_on_light",
+            Self::LightOnDark => "light_on_dark",
+            Self::Auto => "auto",
+        }
+    }
+}
+
 /// A board of `rows` x `columns` rings, each two concentric circles; valid by construction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Board {
@@ -161,6 +172,11 @@ impl Board {
             polarity,
             marks: Vec::new(),
         })
+    }
+
+    /// The same board of this polarity.
+    pub fn with_polarity(self, polarity: Polarity) -> Self {
+        Self { polarity, ..self }
     }
 
     /// Rings per column.

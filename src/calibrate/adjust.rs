@@ -6,14 +6,19 @@
 
 use super::normal_equations::NormalEquations;
 use super::observations::Observation;
-use crate::camera::{Camera, Pose};
+use super::shared::{Free, Shared};
+use crate::camera::Pose;
 
 /// Linearisations at most.
 const MAX_ITERATIONS: usize = 200;
 /// Promised decrease over cost at which it has converged.
 const RELATIVE_DECREASE: f64 = 1e-12;
+/// The same for a solution that another adjustment starts from.
+const COARSE_DECREASE: f64 = 1e-2;
 /// The same where rounding stops the descent first.
 const RELATIVE_ROUNDING: f64 = 1e-8;
+/// Promised decrease over the mean squared residual at which it is close enough when it has not converged.
+const CLOSE: f64 = 1e-4;
 /// Whitened residual that counts as none.
 const NO_RESIDUAL: f64 = 1e-11;
 /// Damping at first, relative to the scaled diagonal.
@@ -21,40 +26,58 @@ const FIRST_DAMPING: f64 = 1e-3;
 /// Damping beyond which a step moves nothing.
 const MAX_DAMPING: f64 = 1e12;
 
+/// What all views share, and the pose of each.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Solution {
+    pub shared: Shared,
+    pub poses: Vec<Pose>,
+}
+
 /// Where the adjustment ended.
 #[derive(Debug, Clone)]
 pub(super) struct Adjusted {
-    pub camera: Camera,
-    pub poses: Vec<Pose>,
-    /// At `camera` and `poses`.
+    pub solution: Solution,
+    /// At `solution`.
     pub equations: NormalEquations,
     pub iterations: usize,
     pub converged: bool,
 }
 
-/// Lowers the cost over the free parameters and all poses; `None` where a ring lies behind the camera at the start.
+/// How well an adjustment has to converge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Goal {
+    /// Another adjustment starts from it.
+    Coarse,
+    /// To rounding.
+    Exact,
+}
+
+/// Lowers the cost over the free numbers and all poses; `None` where a ring has no image at the start.
 pub(super) fn adjust(
-    start: (Camera, Vec<Pose>),
+    start: Solution,
     rings: &[Vec<Observation>],
-    free: &[usize],
+    free: &Free,
+    goal: Goal,
 ) -> Option<Adjusted> {
-    let (camera, poses) = start;
     let mut now = Adjusted {
-        equations: NormalEquations::at(&camera, &poses, rings)?,
-        camera,
-        poses,
+        equations: NormalEquations::at(&start, rings, free)?,
+        solution: start,
         iterations: 0,
         converged: false,
     };
     let residuals = 2 * rings.iter().map(Vec::len).sum::<usize>();
     let nothing = residuals as f64 * NO_RESIDUAL * NO_RESIDUAL;
+    let enough = match goal {
+        Goal::Coarse => COARSE_DECREASE,
+        Goal::Exact => RELATIVE_DECREASE,
+    };
     let mut damping = FIRST_DAMPING;
     while now.iterations < MAX_ITERATIONS {
         now.iterations += 1;
         let cost = now.equations.cost();
         // the promise of the undamped step: a damped one promises little however far the solution is
-        let promise = now.equations.step(free, 0.0).map(|step| step.predicted);
-        if promise.is_some_and(|p| p <= nothing.max(RELATIVE_DECREASE * cost)) {
+        let promise = now.equations.step(0.0).map(|step| step.predicted);
+        if promise.is_some_and(|p| p <= nothing.max(enough * cost)) {
             now.converged = true;
             break;
         }
@@ -66,21 +89,32 @@ pub(super) fn adjust(
             }
         }
     }
+    if !now.converged {
+        now.converged = is_close(&now.equations, residuals);
+    }
     Some(now)
+}
+
+/// Whether what is left to be gained is a hundredth of a standard deviation: numbers that the views hardly tell apart may move
+/// along a valley for ever.
+fn is_close(equations: &NormalEquations, residuals: usize) -> bool {
+    let promise = equations.step(0.0).map(|step| step.predicted);
+    let unit = equations.cost() / residuals.max(1) as f64;
+    promise.is_some_and(|promise| promise <= CLOSE * unit)
 }
 
 /// The first damping that lowers the cost; `None` where none does.
 fn lower(
     now: &Adjusted,
     rings: &[Vec<Observation>],
-    free: &[usize],
+    free: &Free,
     damping: &mut f64,
 ) -> Option<Adjusted> {
     let cost = now.equations.cost();
     while *damping <= MAX_DAMPING {
-        if let Some(step) = now.equations.step(free, *damping) {
-            let (camera, poses) = step.apply(&now.camera, &now.poses);
-            let next = NormalEquations::at(&camera, &poses, rings);
+        if let Some(step) = now.equations.step(*damping) {
+            let solution = step.apply(&now.solution, free);
+            let next = NormalEquations::at(&solution, rings, free);
             if let Some(equations) = next.filter(|equations| equations.cost() < cost) {
                 // Nielsen's rule: less damping after a step that kept its promise, more after one that overshot, or the
                 // steps swing from side to side of a curved valley
@@ -88,8 +122,7 @@ fn lower(
                 *damping *= (1.0 - (2.0 * gain - 1.0).powi(3)).clamp(0.1, 2.0);
                 *damping = damping.max(1e-15);
                 return Some(Adjusted {
-                    camera,
-                    poses,
+                    solution,
                     equations,
                     iterations: now.iterations,
                     converged: false,

@@ -1,6 +1,43 @@
 //! Why a calibration is refused.
 
-use super::{NEEDED_RINGS, NEEDED_VIEWS};
+use super::{FixedError, NEEDED_VIEWS};
+use nalgebra::Point2;
+
+/// What views lack; displays as what to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Missing {
+    /// Tilt about both axes of the picture.
+    TiltBoth,
+    /// Tilt to the left and to the right.
+    TiltSideways,
+    /// Tilt forward and backward.
+    TiltUpright,
+    /// More of everything.
+    Views,
+    /// Views near the border of the frame.
+    Corners,
+    /// Views that show the sheet's own shape.
+    Sheet,
+}
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::TiltBoth => "tilt the board by 20 degrees or more about both axes",
+            Self::TiltSideways => {
+                "tilt the board by 20 degrees or more to the left and to the right"
+            }
+            Self::TiltUpright => "tilt the board by 20 degrees or more forward and backward",
+            Self::Views => "add views at other tilts and distances, the board as large as it gets",
+            Self::Corners => {
+                "show the board near the edges and corners of the frame, or estimate fewer coefficients"
+            }
+            Self::Sheet => {
+                "show the board at more tilts and quarter turns, or do not estimate the sheet's shape"
+            }
+        })
+    }
+}
 
 /// Why views do not give a calibration; displays as one plain sentence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -24,14 +61,26 @@ pub enum CalibrateError {
         /// Those of the first view.
         first: (usize, usize),
     },
-    /// A view has too few rings for a pose.
-    #[error("{source_name} shows {found} rings, at least {NEEDED_RINGS} are needed")]
-    TooFewRings {
-        /// `source` of the view.
-        source_name: String,
-        /// Rings in it.
-        found: usize,
+    /// Too few views are left once the useless ones are left out.
+    #[error(
+        "{left} of {given} views can be used, at least {NEEDED_VIEWS} are needed; of the others the first {reason}"
+    )]
+    TooFewLeft {
+        /// Views that can be used.
+        left: usize,
+        /// Views given.
+        given: usize,
+        /// Why the first of the others cannot.
+        reason: String,
     },
+    /// A parameter is fixed that the lens model does not have.
+    #[error(transparent)]
+    Fixed(#[from] FixedError),
+    /// The pitch ratio of a board that may be seen at any quarter turn.
+    #[error(
+        "the pitch ratio of a square board without marks cannot be told: rows and columns may be exchanged in any view"
+    )]
+    QuarterTurns,
     /// A number that is not finite, or a covariance that is not positive definite.
     #[error("{source_name} has no valid {what} for ring ({row}, {column})")]
     BadRing {
@@ -62,12 +111,6 @@ pub enum CalibrateError {
         /// Columns of the board.
         columns: u16,
     },
-    /// The rings of a view stand in a line or in one place, so that it has no pose.
-    #[error("the rings of {source_name} stand in one line or in one place")]
-    DegenerateView {
-        /// `source` of the view.
-        source_name: String,
-    },
     /// Fewer numbers measured than unknown.
     #[error(
         "{measured} coordinates measured for {unknown} unknowns: more views or more rings are needed"
@@ -79,14 +122,35 @@ pub enum CalibrateError {
         unknown: usize,
     },
     /// The views are too much alike to tell a parameter.
-    #[error("the views cannot tell {name}: tilt the board more, and in more than one direction")]
+    #[error("the views cannot tell {name}: {missing}")]
     Undetermined {
         /// The parameter.
         name: &'static str,
+        /// What would tell it.
+        missing: Missing,
+    },
+    /// The views leave the lens open somewhere in the frame.
+    #[error(
+        "the views cannot tell the lens near ({:.0}, {:.0}), where it is uncertain by {std_px:.0} px: show the board there",
+        at.x, at.y
+    )]
+    LensOpen {
+        /// Where it is most uncertain, px.
+        at: Point2<f64>,
+        /// Standard deviation of the projection there, px.
+        std_px: f64,
+    },
+    /// The lens model found does not reach most of the frame.
+    #[error(
+        "the lens that fits the views folds over in {percent:.0} % of the frame: show the board there too, or use another lens model"
+    )]
+    LensFolds {
+        /// Part of the frame without a ray, %.
+        percent: f64,
     },
     /// The board's planes are parallel, turned in their plane at most: they all tell the same.
     #[error(
-        "the board stands at the same tilt in all views (within {spread_deg:.1} degrees): tilt it, and in more than one direction"
+        "the board stands at the same tilt in all views (within {spread_deg:.1} degrees): tilt it by 20 degrees or more about both axes"
     )]
     Parallel {
         /// Largest angle between the normals of two views, degrees.

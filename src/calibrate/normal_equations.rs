@@ -1,6 +1,6 @@
 //! The normal equations of the adjustment and their solution with the poses eliminated.
 //!
-//! Unknowns are the free parameters c of the camera and six numbers p_v a view (a rotation vector applied on the left,
+//! Unknowns are the free numbers c that the views share and six numbers p_v a view (a rotation vector applied on the left,
 //! then a shift). A residual depends on c and the p of its own view alone, so that J^T J is
 //!
 //! ```text
@@ -13,44 +13,37 @@
 //! length first, because a focal length of 20000 px and a k3 differ by ten orders of magnitude. Sums run in the order of
 //! the views, so that the result does not depend on the number of threads.
 
+use super::adjust::Solution;
+use super::linearise::{POSE, ViewBlock, view_block};
 use super::observations::Observation;
-use crate::camera::{Camera, Pose};
+use super::shared::Free;
 use nalgebra::{
-    Cholesky, Const, DMatrix, DVector, Matrix2, Matrix6, Rotation3, SMatrix, SVector, Vector2,
-    Vector3, Vector6,
+    Cholesky, Const, DMatrix, DVector, Matrix6, OMatrix, Rotation3, U6, Vector3, Vector6,
 };
 use rayon::prelude::*;
 
-const COUNT: usize = Camera::PARAMETER_COUNT;
-
-/// What one view adds to the normal equations; all parameters of the camera, free or not.
-#[derive(Debug, Clone)]
-pub(super) struct ViewBlock {
-    camera: SMatrix<f64, COUNT, COUNT>,
-    mixed: SMatrix<f64, COUNT, 6>,
-    pose: Matrix6<f64>,
-    camera_gradient: SVector<f64, COUNT>,
-    pose_gradient: Vector6<f64>,
-    /// Sum of the squared whitened residuals.
-    cost: f64,
-}
+/// Least over largest eigenvalue of the scaled Schur complement that counts as singular.
+const SINGULAR: f64 = 1e-15;
 
 /// The normal equations at one camera and set of poses.
 #[derive(Debug, Clone)]
 pub(super) struct NormalEquations {
     blocks: Vec<ViewBlock>,
+    free: usize,
+    /// What the free numbers themselves are charged: cost, gradient and its derivative.
+    charged: (f64, DVector<f64>, DVector<f64>),
 }
 
 /// A step of the adjustment.
 #[derive(Debug, Clone)]
 pub(super) struct Step {
-    camera: [f64; COUNT],
+    shared: DVector<f64>,
     poses: Vec<Vector6<f64>>,
     /// By how much the cost should fall, were the residuals linear.
     pub predicted: f64,
 }
 
-/// The system in the camera's free parameters alone, columns scaled.
+/// The system in the shared numbers alone, columns scaled.
 struct Reduced {
     system: DMatrix<f64>,
     right: DVector<f64>,
@@ -61,105 +54,169 @@ struct Reduced {
 /// What it takes to find a view's pose step once that of the camera is known, columns scaled.
 struct ReducedView {
     scale: Vector6<f64>,
-    mixed: DMatrix<f64>,
+    /// B_v.
+    mixed: OMatrix<f64, nalgebra::Dyn, U6>,
     pose: Cholesky<f64, Const<6>>,
     gradient: Vector6<f64>,
 }
 
+/// The inverse of J^T J in blocks: what the covariance of anything is made of, for residuals of unit variance.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Inverse {
+    /// S^-1: the covariance of the free numbers.
+    pub shared: DMatrix<f64>,
+    /// Of each view.
+    pub views: Vec<InverseView>,
+}
+
+/// A view's part of [`Inverse`].
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct InverseView {
+    /// C_v^-1.
+    pub own: Matrix6<f64>,
+    /// B_v C_v^-1.
+    pub mixed: OMatrix<f64, nalgebra::Dyn, U6>,
+}
+
 impl NormalEquations {
-    /// Linearises at a camera and poses; `None` where a ring falls behind the camera.
-    pub fn at(camera: &Camera, poses: &[Pose], rings: &[Vec<Observation>]) -> Option<Self> {
-        let blocks: Vec<Option<ViewBlock>> = poses
+    /// Linearises at a solution; `None` where a ring has no image.
+    pub fn at(solution: &Solution, rings: &[Vec<Observation>], free: &Free) -> Option<Self> {
+        let blocks: Vec<Option<ViewBlock>> = solution
+            .poses
             .par_iter()
             .zip(rings)
-            .map(|(pose, rings)| view_block(camera, pose, rings))
+            .with_min_len(4)
+            .map(|(pose, rings)| view_block(&solution.shared, pose, rings, free))
             .collect();
         let blocks = blocks.into_iter().collect::<Option<_>>()?;
-        Some(Self { blocks })
+        let (cost, slopes) = free.charged(&solution.shared);
+        let charges = free.columns.iter().map(|column| column.charge);
+        Some(Self {
+            blocks,
+            free: free.len(),
+            charged: (
+                cost,
+                DVector::from_vec(slopes),
+                DVector::from_iterator(free.len(), charges),
+            ),
+        })
+    }
+
+    /// What is minimised: the squared whitened residuals and what the free numbers are charged.
+    pub fn cost(&self) -> f64 {
+        self.charged.0 + self.squares()
     }
 
     /// Sum of the squared whitened residuals.
-    pub fn cost(&self) -> f64 {
+    pub fn squares(&self) -> f64 {
         self.blocks.iter().map(|block| block.cost).sum()
     }
 
     /// The Levenberg-Marquardt step with damping `lambda` relative to the scaled diagonal; `None` where the equations
     /// are singular.
-    pub fn step(&self, free: &[usize], lambda: f64) -> Option<Step> {
-        let reduced = self.reduce(free, lambda)?;
-        let camera = if free.is_empty() {
+    pub fn step(&self, lambda: f64) -> Option<Step> {
+        let reduced = self.reduce(lambda)?;
+        let shared = if self.free == 0 {
             DVector::zeros(0)
         } else {
             -reduced.system.clone().cholesky()?.solve(&reduced.right)
         };
-        let gradient = self.camera_gradient(free).component_mul(&reduced.scale);
-        let mut predicted = lambda * camera.norm_squared() - camera.dot(&gradient);
+        let gradient = self.gradient().component_mul(&reduced.scale);
+        let mut predicted = lambda * shared.norm_squared() - shared.dot(&gradient);
         let mut poses = Vec::with_capacity(reduced.views.len());
         for view in &reduced.views {
-            let back = view.mixed.transpose() * &camera;
-            let pose = -view
-                .pose
-                .solve(&(view.gradient + Vector6::from_iterator(back.iter().copied())));
+            let back = view.mixed.tr_mul(&shared);
+            let pose = -view.pose.solve(&(view.gradient + back));
             predicted += lambda * pose.norm_squared() - pose.dot(&view.gradient);
             poses.push(pose.component_mul(&view.scale));
         }
-        let mut whole = [0.0; COUNT];
-        for (i, at) in free.iter().enumerate() {
-            whole[*at] = camera[i] * reduced.scale[i];
-        }
-        predicted.is_finite().then_some(Step {
-            camera: whole,
+        predicted.is_finite().then(|| Step {
+            shared: shared.component_mul(&reduced.scale),
             poses,
             predicted,
         })
     }
 
-    /// Inverse of the Schur complement: the covariance of the free parameters for residuals of unit variance. `Err`
-    /// holds the place in `free` that takes the largest part in what the views leave open.
-    pub fn covariance(&self, free: &[usize]) -> Result<DMatrix<f64>, usize> {
-        if free.is_empty() {
-            return Ok(DMatrix::zeros(0, 0));
-        }
-        let reduced = self.reduce(free, 0.0).ok_or(0_usize)?;
-        let eigen = reduced.system.clone().symmetric_eigen();
-        let least = eigen.eigenvalues.imin();
-        if eigen.eigenvalues[least] <= SINGULAR * eigen.eigenvalues.max() {
-            return Err(eigen.eigenvectors.column(least).iamax());
-        }
-        let inverse = eigen.eigenvectors.clone()
-            * DMatrix::from_diagonal(&eigen.eigenvalues.map(|value| 1.0 / value))
-            * eigen.eigenvectors.transpose();
-        let scale = DMatrix::from_diagonal(&reduced.scale);
-        let covariance = &scale * inverse * &scale;
-        Ok(0.5 * (&covariance + covariance.transpose()))
-    }
-
-    fn camera_gradient(&self, free: &[usize]) -> DVector<f64> {
-        let mut sum = SVector::<f64, COUNT>::zeros();
-        for block in &self.blocks {
-            sum += block.camera_gradient;
-        }
-        DVector::from_iterator(free.len(), free.iter().map(|at| sum[*at]))
-    }
-
-    fn reduce(&self, free: &[usize], lambda: f64) -> Option<Reduced> {
-        let count = free.len();
-        let mut whole = SMatrix::<f64, COUNT, COUNT>::zeros();
-        for block in &self.blocks {
-            whole += block.camera;
-        }
-        let scale = DVector::from_iterator(count, free.iter().map(|at| unit(whole[(*at, *at)])));
-        let mut system = DMatrix::from_fn(count, count, |i, j| {
-            let damping = if i == j { lambda } else { 0.0 };
-            whole[(free[i], free[j])] * scale[i] * scale[j] + damping
+    /// The inverse of J^T J. `Err` holds the place among the free numbers that takes the largest part in what the views leave
+    /// open.
+    pub fn inverse(&self) -> Result<Inverse, usize> {
+        let reduced = self.reduce(0.0).ok_or(0_usize)?;
+        let shared = if self.free == 0 {
+            DMatrix::zeros(0, 0)
+        } else {
+            let inverse = definite_inverse(&reduced.system)?;
+            let scale = DMatrix::from_diagonal(&reduced.scale);
+            &scale * inverse * &scale
+        };
+        let unscaled = DMatrix::from_diagonal(&reduced.scale.map(|s| 1.0 / s));
+        let views = reduced.views.iter().map(|view| {
+            let scale = Matrix6::from_diagonal(&view.scale);
+            let inverse = view.pose.inverse();
+            InverseView {
+                own: scale * inverse * scale,
+                mixed: &unscaled * &view.mixed * inverse * scale,
+            }
         });
-        let mut right = self.camera_gradient(free).component_mul(&scale);
+        Ok(Inverse {
+            views: views.collect(),
+            shared,
+        })
+    }
+
+    /// What each view says of the shared numbers once its own pose is paid for: A_v - B_v C_v^-1 B_v', which add up to S.
+    pub fn information(&self) -> Option<Vec<DMatrix<f64>>> {
+        self.blocks
+            .iter()
+            .map(|block| {
+                let factor = block.pose().cholesky()?;
+                let mixed = block.mixed(self.free);
+                let eliminated = factor.solve(&mixed.transpose());
+                Some(block.shared(self.free) - mixed * eliminated)
+            })
+            .collect()
+    }
+
+    /// Half the derivatives of each view's squared residuals by the shared numbers, its pose following: its part of the
+    /// right hand side once the poses are eliminated.
+    pub fn pulls(&self) -> Option<Vec<DVector<f64>>> {
+        self.blocks
+            .iter()
+            .map(|block| {
+                let own = block.gradient.fixed_rows::<POSE>(0).into_owned();
+                let through = block.mixed(self.free) * block.pose().cholesky()?.solve(&own);
+                Some(block.gradient.rows(POSE, self.free).into_owned() - through)
+            })
+            .collect()
+    }
+
+    fn gradient(&self) -> DVector<f64> {
+        let mut sum = self.charged.1.clone();
+        for block in &self.blocks {
+            sum += block.gradient.rows(POSE, self.free);
+        }
+        sum
+    }
+
+    fn reduce(&self, lambda: f64) -> Option<Reduced> {
+        let count = self.free;
+        let mut system = DMatrix::from_diagonal(&self.charged.2);
+        for block in &self.blocks {
+            system += block.shared(count);
+        }
+        let scale = system.diagonal().map(unit);
+        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            system[(i, j)] *= scale[i] * scale[j];
+        }
+        for i in 0..count {
+            system[(i, i)] += lambda;
+        }
+        let mut right = self.gradient().component_mul(&scale);
         let mut views = Vec::with_capacity(self.blocks.len());
         for block in &self.blocks {
-            let view = ReducedView::of(block, free, &scale, lambda)?;
+            let view = ReducedView::of(block, &scale, lambda)?;
             let eliminated = view.pose.solve(&view.mixed.transpose());
-            system -= &view.mixed * eliminated;
-            right -= &view.mixed * view.pose.solve(&view.gradient);
+            system.gemm(-1.0, &view.mixed, &eliminated, 1.0);
+            right.gemv(-1.0, &view.mixed, &view.pose.solve(&view.gradient), 1.0);
             views.push(view);
         }
         Some(Reduced {
@@ -171,23 +228,40 @@ impl NormalEquations {
     }
 }
 
-/// Least over largest eigenvalue of the scaled Schur complement that counts as singular.
-const SINGULAR: f64 = 1e-15;
+/// The inverse of a symmetric matrix with a unit diagonal, or the place of its weakest direction's largest part.
+fn definite_inverse(system: &DMatrix<f64>) -> Result<DMatrix<f64>, usize> {
+    let eigen = system.clone().symmetric_eigen();
+    let least = eigen.eigenvalues.imin();
+    // not a number counts as singular
+    let regular = eigen.eigenvalues[least] > SINGULAR * eigen.eigenvalues.max();
+    if !regular {
+        return Err(eigen.eigenvectors.column(least).iamax());
+    }
+    let inverse = &eigen.eigenvectors
+        * DMatrix::from_diagonal(&eigen.eigenvalues.map(|value| 1.0 / value))
+        * eigen.eigenvectors.transpose();
+    Ok(0.5 * (&inverse + inverse.transpose()))
+}
 
 impl ReducedView {
-    fn of(block: &ViewBlock, free: &[usize], scale: &DVector<f64>, lambda: f64) -> Option<Self> {
-        let own = block.pose.diagonal().map(unit);
-        let mut pose = Matrix6::from_fn(|i, j| block.pose[(i, j)] * own[i] * own[j]);
-        for i in 0..6 {
-            pose[(i, i)] += lambda;
+    fn of(block: &ViewBlock, scale: &DVector<f64>, lambda: f64) -> Option<Self> {
+        let own = block.pose().diagonal().map(unit);
+        let mut pose = block.pose();
+        let mut mixed = block.mixed(scale.len());
+        for j in 0..POSE {
+            for i in 0..POSE {
+                pose[(i, j)] *= own[i] * own[j];
+            }
+            pose[(j, j)] += lambda;
+            for i in 0..scale.len() {
+                mixed[(i, j)] *= scale[i] * own[j];
+            }
         }
         Some(Self {
             scale: own,
-            mixed: DMatrix::from_fn(free.len(), 6, |i, j| {
-                block.mixed[(free[i], j)] * scale[i] * own[j]
-            }),
+            mixed,
             pose: pose.cholesky()?,
-            gradient: block.pose_gradient.component_mul(&own),
+            gradient: block.gradient.fixed_rows::<POSE>(0).component_mul(&own),
         })
     }
 }
@@ -202,72 +276,19 @@ fn unit(squared_length: f64) -> f64 {
 }
 
 impl Step {
-    /// The camera and the poses after the step.
-    pub fn apply(&self, camera: &Camera, poses: &[Pose]) -> (Camera, Vec<Pose>) {
-        let mut values = camera.parameters();
-        for (value, step) in values.iter_mut().zip(&self.camera) {
-            *value += step;
-        }
-        let moved = poses.iter().zip(&self.poses).map(|(pose, step)| {
+    /// The solution after the step.
+    pub fn apply(&self, solution: &Solution, free: &Free) -> Solution {
+        let moved = solution.poses.iter().zip(&self.poses).map(|(pose, step)| {
             let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
             // by way of the rotation vector, so that rounding never bends the matrix over many steps
-            Pose::from_rotation_vector(
+            crate::camera::Pose::from_rotation_vector(
                 (turn * pose.rotation).scaled_axis(),
                 pose.translation_m + Vector3::new(step[3], step[4], step[5]),
             )
         });
-        (camera.with_parameters(&values), moved.collect())
+        Solution {
+            shared: solution.shared.moved(free, &self.shared),
+            poses: moved.collect(),
+        }
     }
-}
-
-fn view_block(camera: &Camera, pose: &Pose, rings: &[Observation]) -> Option<ViewBlock> {
-    let mut block = ViewBlock {
-        camera: SMatrix::zeros(),
-        mixed: SMatrix::zeros(),
-        pose: Matrix6::zeros(),
-        camera_gradient: SVector::zeros(),
-        pose_gradient: Vector6::zeros(),
-        cost: 0.0,
-    };
-    for ring in rings {
-        let Linearised {
-            residual,
-            wrt_camera,
-            wrt_pose,
-        } = linearised(camera, pose, ring)?;
-        block.camera += wrt_camera.transpose() * wrt_camera;
-        block.mixed += wrt_camera.transpose() * wrt_pose;
-        block.pose += wrt_pose.transpose() * wrt_pose;
-        block.camera_gradient += wrt_camera.transpose() * residual;
-        block.pose_gradient += wrt_pose.transpose() * residual;
-        block.cost += residual.norm_squared();
-    }
-    block.cost.is_finite().then_some(block)
-}
-
-/// Whitened residual (projected less measured) and its derivatives.
-struct Linearised {
-    residual: Vector2<f64>,
-    wrt_camera: SMatrix<f64, 2, COUNT>,
-    wrt_pose: SMatrix<f64, 2, 6>,
-}
-
-/// `None` where the ring falls behind the camera.
-fn linearised(camera: &Camera, pose: &Pose, ring: &Observation) -> Option<Linearised> {
-    let point = pose.board_to_camera(ring.board_m);
-    let projection = camera.project_with_derivatives(&point)?;
-    let w: &Matrix2<f64> = &ring.whitening;
-    let lever = point.coords - pose.translation_m;
-    // the rotation vector turns the lever: d(exp(w) q)/dw = -[q]x
-    let wrt_shift = w * projection.wrt_point;
-    let wrt_turn = -wrt_shift * lever.cross_matrix();
-    let mut wrt_pose = SMatrix::<f64, 2, 6>::zeros();
-    wrt_pose.fixed_columns_mut::<3>(0).copy_from(&wrt_turn);
-    wrt_pose.fixed_columns_mut::<3>(3).copy_from(&wrt_shift);
-    let raw = SMatrix::<f64, 2, COUNT>::from_fn(|i, j| projection.wrt_parameters[j][i]);
-    Some(Linearised {
-        residual: w * (projection.pixel - ring.pixel),
-        wrt_camera: w * raw,
-        wrt_pose,
-    })
 }

@@ -1,21 +1,27 @@
 //! The measurements of a calibration, checked: what the adjustment needs of each view and nothing it has to doubt.
 
-use super::{CalibrateError, NEEDED_RINGS, NEEDED_VIEWS};
+use super::CalibrateError;
 use crate::board::Board;
 use crate::detect::Ring;
 use crate::session::View;
-use nalgebra::{Matrix2, Point2};
+use nalgebra::{Matrix2, Point2, Vector2};
 use std::collections::HashSet;
 
 /// One ring in one view.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Observation {
     /// Its centre on the board, m.
     pub board_m: [f64; 2],
-    /// Its projected centre, px.
+    /// Where it was measured, px.
     pub pixel: Point2<f64>,
+    /// What its estimator measures less its projected centre, px, as camera and pose say.
+    pub bias_px: Vector2<f64>,
     /// W with W^T W the inverse of the covariance: makes residuals of unit variance.
     pub whitening: Matrix2<f64>,
+    /// Whether its own covariance is behind `whitening`.
+    pub has_covariance: bool,
+    /// Its weight: 1, or 0 where it is left out.
+    pub share: f64,
 }
 
 /// Checks the views and pairs their rings with the board's.
@@ -26,10 +32,9 @@ pub(super) fn observations(
     if board.is_single() {
         return Err(CalibrateError::SingleRing);
     }
-    if views.len() < NEEDED_VIEWS {
-        return Err(CalibrateError::TooFewViews { found: views.len() });
-    }
-    let first = (views[0].width, views[0].height);
+    let Some(first) = views.first().map(|view| (view.width, view.height)) else {
+        return Err(CalibrateError::TooFewViews { found: 0 });
+    };
     let default_variance = typical_variance(views);
     views
         .iter()
@@ -69,12 +74,6 @@ fn check(board: &Board, view: &View, first: (usize, usize)) -> Result<(), Calibr
             columns: board.columns(),
         });
     }
-    if view.rings.len() < NEEDED_RINGS {
-        return Err(CalibrateError::TooFewRings {
-            source_name: view.source.clone(),
-            found: view.rings.len(),
-        });
-    }
     Ok(())
 }
 
@@ -94,10 +93,8 @@ fn observation(
     if !(pixel.x.is_finite() && pixel.y.is_finite()) {
         return Err(bad("position"));
     }
-    let covariance = ring
-        .centre
-        .covariance
-        .unwrap_or_else(|| Matrix2::from_diagonal_element(default_variance));
+    let own = ring.centre.covariance;
+    let covariance = own.unwrap_or_else(|| Matrix2::from_diagonal_element(default_variance));
     let whitening = covariance
         .cholesky()
         .and_then(|root| root.l().try_inverse())
@@ -106,7 +103,10 @@ fn observation(
     Ok(Observation {
         board_m: board.centre_m(ring.row, ring.column),
         pixel,
+        bias_px: Vector2::zeros(),
         whitening,
+        has_covariance: own.is_some(),
+        share: 1.0,
     })
 }
 

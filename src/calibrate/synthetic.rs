@@ -58,7 +58,8 @@ fn camera(size: (u32, u32), k: [f64; 4], d: [f64; 5]) -> Camera {
             p1: d[2],
             p2: d[3],
             k3: d[4],
-        },
+        }
+        .into(),
     }
 }
 

@@ -103,7 +103,7 @@ pub(super) fn centred(focal_px: f64, size: (f64, f64)) -> Intrinsics {
 }
 
 /// The pose behind a homography (board plane in m to frame in px): the rotation closest to its columns; `None` for a
-/// degenerate homography.
+/// degenerate homography and for a board seen from behind.
 pub fn pose(homography: &Matrix3<f64>, intrinsics: &Intrinsics) -> Option<Pose> {
     let k = Matrix3::new(
         intrinsics.fx,
@@ -133,10 +133,12 @@ pub fn pose(homography: &Matrix3<f64>, intrinsics: &Intrinsics) -> Option<Pose> 
         return None;
     }
     let svd = nearly.svd(true, true);
-    let rotation = svd.u? * svd.v_t?;
-    Some(Pose {
-        rotation: Rotation3::from_matrix_unchecked(rotation),
-        translation_m: columns.column(2).into_owned(),
+    let rotation = Rotation3::from_matrix_unchecked(svd.u? * svd.v_t?);
+    let translation_m = columns.column(2).into_owned();
+    // the camera looks at the front of the board
+    ((rotation * Vector3::z()).dot(&translation_m) > 0.0).then_some(Pose {
+        rotation,
+        translation_m,
     })
 }
 

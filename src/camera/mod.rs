@@ -1,18 +1,26 @@
 //! The camera: pinhole plus lens distortion, and where the board stands before it.
 //!
 //! Camera frame (REP 103, optical): x right, y down, z forward into the scene, metres. A point projects as
-//! normalised coordinates (X/Z, Y/Z) -> distortion -> pixel (fx x + cx, fy y + cy).
+//! normalised coordinates (X/Z, Y/Z) -> distortion -> pixel (fx x + cx, fy y + cy); of a fisheye, whose field may reach
+//! beyond 90 degrees, the angle from the axis takes the place of the normalised coordinates.
 
+mod distortion;
+mod equidistant;
 pub(crate) mod homography;
 mod parameters;
 mod plumb_bob;
 mod pose;
+mod rational_polynomial;
+mod undistort;
 
-pub use parameters::Projection;
+pub use distortion::{Distortion, LensModel, UnknownLensModel};
+pub use equidistant::Equidistant;
+pub use parameters::{MOST_PARAMETERS, Projection};
 pub use plumb_bob::PlumbBob;
 pub use pose::Pose;
+pub use rational_polynomial::RationalPolynomial;
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, Vector3};
 
 /// Focal lengths and principal point, px.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,13 +44,22 @@ pub struct Camera {
     pub height: u32,
     /// Focal lengths and principal point.
     pub intrinsics: Intrinsics,
-    /// Lens distortion (paper equation 5).
-    pub distortion: PlumbBob,
+    /// The lens (paper equation 5 and others).
+    pub distortion: Distortion,
 }
 
 impl Camera {
-    /// Pixel of a point in the camera frame (paper equations 4 to 7); `None` at or behind the camera.
+    /// The lens model.
+    pub fn model(&self) -> LensModel {
+        self.distortion.model()
+    }
+
+    /// Pixel of a point in the camera frame (paper equations 4 to 7); `None` where it has no image: at or behind the camera,
+    /// but for a fisheye whose field reaches there.
     pub fn project(&self, point_m: &Point3<f64>) -> Option<Point2<f64>> {
+        if let Distortion::Equidistant(lens) = &self.distortion {
+            return Some(self.pixel(&lens.project(&point_m.coords)?));
+        }
         if point_m.z <= 0.0 || !point_m.z.is_finite() {
             return None;
         }
@@ -51,11 +68,24 @@ impl Camera {
     }
 
     /// Normalised, undistorted coordinates (X/Z, Y/Z) of the ray through a pixel; `None` where the distortion cannot
-    /// be undone there.
+    /// be undone there or the ray does not point forward.
     pub fn unproject(&self, pixel: &Point2<f64>) -> Option<Point2<f64>> {
+        self.distortion.undistort(&self.distorted(pixel))
+    }
+
+    /// Direction of the ray through a pixel in the camera frame, of unit length; `None` where the distortion cannot be undone there.
+    pub fn ray(&self, pixel: &Point2<f64>) -> Option<Vector3<f64>> {
+        if let Distortion::Equidistant(lens) = &self.distortion {
+            return lens.ray(&self.distorted(pixel));
+        }
+        self.unproject(pixel)
+            .map(|ideal| Vector3::new(ideal.x, ideal.y, 1.0).normalize())
+    }
+
+    /// Distorted normalised coordinates of a pixel.
+    fn distorted(&self, pixel: &Point2<f64>) -> Point2<f64> {
         let k = &self.intrinsics;
-        let distorted = Point2::new((pixel.x - k.cx) / k.fx, (pixel.y - k.cy) / k.fy);
-        self.distortion.undistort(&distorted)
+        Point2::new((pixel.x - k.cx) / k.fx, (pixel.y - k.cy) / k.fy)
     }
 
     /// Pixel of distorted normalised coordinates.

@@ -1,10 +1,14 @@
 //! A camera as a vector of named numbers, and the derivatives of a projection with respect to them.
 //!
 //! The adjustment in `calibrate` sees a camera only through this file: names, values and Jacobian. Another lens
-//! model brings its own names; nothing in the solver counts on nine.
+//! model brings its own names; nothing in the solver counts on their number.
 
-use super::{Camera, Intrinsics, PlumbBob};
-use nalgebra::{Matrix2x3, Point2, Point3};
+use super::distortion::MOST_COEFFICIENTS;
+use super::{Camera, Distortion, Intrinsics};
+use nalgebra::{Matrix2, Matrix2x3, Point2, Point3};
+
+/// Most numbers that any camera has.
+pub const MOST_PARAMETERS: usize = 4 + MOST_COEFFICIENTS;
 
 /// A projected point and how it moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -13,82 +17,127 @@ pub struct Projection {
     pub pixel: Point2<f64>,
     /// Derivative of the pixel with respect to the point in the camera frame, px per m.
     pub wrt_point: Matrix2x3<f64>,
-    /// Derivative of the pixel with respect to each of [`Camera::PARAMETER_NAMES`], as (dx, dy).
-    pub wrt_parameters: [[f64; 2]; Camera::PARAMETER_COUNT],
+    /// Derivative of the pixel with respect to each of [`Camera::parameter_names`], as (dx, dy); 0 beyond them.
+    pub wrt_parameters: [[f64; 2]; MOST_PARAMETERS],
 }
 
 impl Camera {
-    /// How many numbers describe the camera.
-    pub const PARAMETER_COUNT: usize = 9;
-
-    /// Their names, in the order of [`Camera::parameters`]: px for the first four, no unit for the rest. The
-    /// distortion is in the order of `plumb_bob`.
-    pub const PARAMETER_NAMES: [&'static str; Self::PARAMETER_COUNT] =
-        ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"];
-
-    /// The values of [`Camera::PARAMETER_NAMES`].
-    pub fn parameters(&self) -> [f64; Self::PARAMETER_COUNT] {
-        let (i, d) = (&self.intrinsics, &self.distortion);
-        [i.fx, i.fy, i.cx, i.cy, d.k1, d.k2, d.p1, d.p2, d.k3]
+    /// Names of [`Camera::parameters`]: px for the first four, no unit for the rest.
+    pub fn parameter_names(&self) -> &'static [&'static str] {
+        self.model().parameter_names()
     }
 
-    /// A camera of the same frame size with these values of [`Camera::PARAMETER_NAMES`].
-    pub fn with_parameters(&self, values: &[f64; Self::PARAMETER_COUNT]) -> Self {
-        let [fx, fy, cx, cy, k1, k2, p1, p2, k3] = *values;
+    /// The values of [`Camera::parameter_names`].
+    pub fn parameters(&self) -> Vec<f64> {
+        let i = &self.intrinsics;
+        let mut values = vec![i.fx, i.fy, i.cx, i.cy];
+        values.extend(self.distortion.coefficients());
+        values
+    }
+
+    /// A camera of the same frame size and lens model with these values of [`Camera::parameter_names`]; values that are
+    /// missing keep those of this camera.
+    pub fn with_parameters(&self, values: &[f64]) -> Self {
+        let mut all = self.parameters();
+        for (value, new) in all.iter_mut().zip(values) {
+            *value = *new;
+        }
+        let (pinhole, lens) = all.split_at(4);
         Self {
-            intrinsics: Intrinsics { fx, fy, cx, cy },
-            distortion: PlumbBob { k1, k2, p1, p2, k3 },
+            intrinsics: Intrinsics {
+                fx: pinhole[0],
+                fy: pinhole[1],
+                cx: pinhole[2],
+                cy: pinhole[3],
+            },
+            // as many coefficients as the model has, or the camera's own
+            distortion: Distortion::new(self.model(), lens).unwrap_or(self.distortion),
             ..*self
         }
     }
 
-    /// Projects a point in the camera frame together with all derivatives; `None` at or behind the camera.
+    /// Projects a point in the camera frame together with all derivatives; `None` where it has no image.
     pub fn project_with_derivatives(&self, point_m: &Point3<f64>) -> Option<Projection> {
         let pixel = self.project(point_m)?;
         let k = &self.intrinsics;
-        let (inverse_z, ideal) = (
-            1.0 / point_m.z,
-            Point2::new(point_m.x / point_m.z, point_m.y / point_m.z),
-        );
-        let (x, y) = (ideal.x, ideal.y);
-        let r2 = x * x + y * y;
-        let distorted = self.distortion.distort(&ideal);
-        let lens = self.distortion.jacobian(&ideal);
-        let (row_x, row_y) = (lens.row(0) * k.fx, lens.row(1) * k.fy);
-        // d(X/Z, Y/Z) / d(X, Y, Z) has the columns (1, 0), (0, 1) and (-x, -y), all over Z
-        let wrt_point = Matrix2x3::new(
-            row_x[0],
-            row_x[1],
-            -row_x[0] * x - row_x[1] * y,
-            row_y[0],
-            row_y[1],
-            -row_y[0] * x - row_y[1] * y,
-        ) * inverse_z;
-        let radial = |power: f64| [k.fx * x * power, k.fy * y * power];
+        let mut lens = [[0.0; 2]; MOST_COEFFICIENTS];
+        let by_point = match &self.distortion {
+            Distortion::Equidistant(fisheye) => {
+                let (by_point, by_k) = fisheye.derivatives(&point_m.coords);
+                lens[..4].copy_from_slice(&by_k);
+                by_point
+            }
+            Distortion::PlumbBob(plumb_bob) => {
+                let ideal = Point2::new(point_m.x / point_m.z, point_m.y / point_m.z);
+                lens[..5].copy_from_slice(&plumb_bob.by_coefficients(&ideal));
+                through_depth(&plumb_bob.jacobian(&ideal), &ideal, point_m.z)
+            }
+            Distortion::RationalPolynomial(rational) => {
+                let ideal = Point2::new(point_m.x / point_m.z, point_m.y / point_m.z);
+                lens = rational.by_coefficients(&ideal);
+                through_depth(&rational.jacobian(&ideal), &ideal, point_m.z)
+            }
+        };
+        let mut wrt_parameters = [[0.0; 2]; MOST_PARAMETERS];
+        wrt_parameters[0][0] = (pixel.x - k.cx) / k.fx;
+        wrt_parameters[1][1] = (pixel.y - k.cy) / k.fy;
+        (wrt_parameters[2][0], wrt_parameters[3][1]) = (1.0, 1.0);
+        for (row, by) in wrt_parameters[4..].iter_mut().zip(lens) {
+            *row = [k.fx * by[0], k.fy * by[1]];
+        }
+        let mut wrt_point = by_point;
+        wrt_point.row_mut(0).scale_mut(k.fx);
+        wrt_point.row_mut(1).scale_mut(k.fy);
         Some(Projection {
             pixel,
             wrt_point,
-            wrt_parameters: [
-                [distorted.x, 0.0],
-                [0.0, distorted.y],
-                [1.0, 0.0],
-                [0.0, 1.0],
-                radial(r2),
-                radial(r2 * r2),
-                [k.fx * 2.0 * x * y, k.fy * (r2 + 2.0 * y * y)],
-                [k.fx * (r2 + 2.0 * x * x), k.fy * 2.0 * x * y],
-                radial(r2 * r2 * r2),
-            ],
+            wrt_parameters,
         })
     }
+}
+
+/// The derivative by (X, Y, Z) of a function of (X/Z, Y/Z): the columns of the latter are (1, 0), (0, 1) and (-x, -y), all over Z.
+fn through_depth(by_ideal: &Matrix2<f64>, ideal: &Point2<f64>, z: f64) -> Matrix2x3<f64> {
+    let depth = -(by_ideal * ideal.coords);
+    Matrix2x3::from_columns(&[
+        by_ideal.column(0).into_owned(),
+        by_ideal.column(1).into_owned(),
+        depth,
+    ]) / z
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::{Equidistant, LensModel, PlumbBob, RationalPolynomial};
 
-    fn camera() -> Camera {
-        Camera {
+    fn cameras() -> [Camera; 3] {
+        let lenses: [Distortion; 3] = [
+            PlumbBob {
+                k1: -0.3,
+                k2: 0.11,
+                p1: 0.002,
+                p2: -0.003,
+                k3: -0.02,
+            }
+            .into(),
+            RationalPolynomial {
+                k1: 0.3,
+                k2: 0.11,
+                p1: 0.002,
+                p2: -0.003,
+                k3: -0.02,
+                k4: 0.5,
+                k5: 0.2,
+                k6: 0.01,
+            }
+            .into(),
+            Equidistant {
+                k: [-0.02, 0.01, -0.003, 0.0004],
+            }
+            .into(),
+        ];
+        lenses.map(|distortion| Camera {
             width: 640,
             height: 480,
             intrinsics: Intrinsics {
@@ -97,32 +146,25 @@ mod tests {
                 cx: 311.0,
                 cy: 245.0,
             },
-            distortion: PlumbBob {
-                k1: -0.3,
-                k2: 0.11,
-                p1: 0.002,
-                p2: -0.003,
-                k3: -0.02,
-            },
-        }
+            distortion,
+        })
     }
 
     #[test]
     fn parameters_go_in_and_out() {
-        let values = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
-        assert_eq!(camera().with_parameters(&values).parameters(), values);
-        assert_eq!(
-            camera().with_parameters(&camera().parameters()),
-            camera(),
-            "nothing but the parameters may change"
-        );
+        for camera in cameras() {
+            let count = camera.parameter_names().len();
+            let values: Vec<f64> = (1..=count).map(|i| i as f64).collect();
+            assert_eq!(camera.with_parameters(&values).parameters(), values);
+            let same = camera.with_parameters(&camera.parameters());
+            assert_eq!(same, camera, "nothing but the parameters may change");
+        }
     }
 
-    #[test]
-    fn derivatives_agree_with_finite_differences() {
-        let (camera, point) = (camera(), Point3::new(0.07, -0.05, 0.16));
+    fn check(camera: &Camera, point: Point3<f64>) {
         let projection = camera.project_with_derivatives(&point).unwrap();
-        assert_eq!(Some(projection.pixel), camera.project(&point));
+        let plain = camera.project(&point).unwrap();
+        assert!((projection.pixel - plain).norm() < 1e-11);
         for axis in 0..3 {
             let h = 1e-7;
             let (mut low, mut high) = (point, point);
@@ -130,9 +172,13 @@ mod tests {
             high[axis] += h;
             let slope =
                 (camera.project(&high).unwrap() - camera.project(&low).unwrap()) / (2.0 * h);
-            assert!((projection.wrt_point.column(axis) - slope).norm() < 1e-5 * slope.norm());
+            let ours = projection.wrt_point.column(axis);
+            assert!(
+                (ours - slope).norm() < 1e-5 * (1.0 + slope.norm()),
+                "{axis}"
+            );
         }
-        for (at, name) in Camera::PARAMETER_NAMES.iter().enumerate() {
+        for (at, name) in camera.parameter_names().iter().enumerate() {
             let (mut low, mut high) = (camera.parameters(), camera.parameters());
             low[at] -= 1e-4;
             high[at] += 1e-4;
@@ -146,8 +192,32 @@ mod tests {
     }
 
     #[test]
-    fn nothing_behind_the_camera_projects() {
+    fn derivatives_agree_with_finite_differences() {
+        for camera in cameras() {
+            check(&camera, Point3::new(0.07, -0.05, 0.16));
+            check(&camera, Point3::new(0.0, 0.0, 0.5));
+        }
+        let fisheye = cameras()[2];
+        assert_eq!(fisheye.model(), LensModel::Equidistant);
+        check(&fisheye, Point3::new(-0.5, 0.2, 0.01));
+        check(&fisheye, Point3::new(0.3, 0.4, -0.1));
+    }
+
+    #[test]
+    fn nothing_behind_a_pinhole_projects() {
         let behind = Point3::new(0.0, 0.0, -1.0);
-        assert!(camera().project_with_derivatives(&behind).is_none());
+        for camera in cameras() {
+            assert!(camera.project_with_derivatives(&behind).is_none());
+            assert!(camera.project(&behind).is_none());
+        }
+    }
+
+    #[test]
+    fn rays_come_back() {
+        for camera in cameras() {
+            let point = Point3::new(0.07, -0.05, 0.16);
+            let ray = camera.ray(&camera.project(&point).unwrap()).unwrap();
+            assert!((ray - point.coords.normalize()).norm() < 1e-12);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The radial and tangential lens model that ROS calls `plumb_bob` (paper equation 5, as mended).
 
+use super::undistort::undistort;
 use nalgebra::{Matrix2, Point2};
 
 /// Distortion coefficients; the paper's k4 is p1 and its k5 is p2.
@@ -16,9 +17,6 @@ pub struct PlumbBob {
     /// Radial, r^6.
     pub k3: f64,
 }
-
-/// Newton steps that undo the distortion; it converges in 3 to 6 where the model is invertible.
-const UNDISTORT_STEPS: usize = 30;
 
 impl PlumbBob {
     /// Distorted normalised coordinates of an ideal point.
@@ -47,19 +45,23 @@ impl PlumbBob {
         )
     }
 
-    /// Ideal point of distorted coordinates by Newton's method; `None` where it does not converge or the lens model
-    /// folds over.
+    /// Derivative of the distorted point with respect to k1, k2, p1, p2, k3.
+    pub(super) fn by_coefficients(&self, ideal: &Point2<f64>) -> [[f64; 2]; 5] {
+        let (x, y) = (ideal.x, ideal.y);
+        let r2 = x * x + y * y;
+        let radial = |power: f64| [x * power, y * power];
+        [
+            radial(r2),
+            radial(r2 * r2),
+            [2.0 * x * y, r2 + 2.0 * y * y],
+            [r2 + 2.0 * x * x, 2.0 * x * y],
+            radial(r2 * r2 * r2),
+        ]
+    }
+
+    /// Ideal point of distorted coordinates; `None` where the lens model does not reach them or folds over.
     pub fn undistort(&self, distorted: &Point2<f64>) -> Option<Point2<f64>> {
-        let mut ideal = *distorted;
-        for _ in 0..UNDISTORT_STEPS {
-            let jacobian = self.jacobian(&ideal);
-            let step = jacobian.try_inverse()? * (self.distort(&ideal) - distorted);
-            ideal -= step;
-            if step.norm() < 1e-14 * (1.0 + ideal.coords.norm()) {
-                return (self.jacobian(&ideal).determinant() > 0.0).then_some(ideal);
-            }
-        }
-        None
+        undistort(distorted, |p| self.distort(p), |p| self.jacobian(p))
     }
 }
 

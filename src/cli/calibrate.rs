@@ -3,9 +3,12 @@
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. A file that cannot be read does not stop the others.
 
+mod lens;
+mod summary;
+
 use super::measuring::Measuring;
 use super::output::print;
-use crate::calibrate::{CalibrateOptions, Calibration, Fixed, FixedError};
+use crate::calibrate::{ModelChoice, choose_model, cross_validate};
 use crate::camera::Camera;
 use crate::detect::{Detection, Detector};
 use crate::formats::{CalibrationJson, CameraInfo, Outcome, write_by_rename};
@@ -15,6 +18,7 @@ use crate::report::report_html;
 use crate::session::{Session, SessionRules, View};
 use crate::source::{self, read_board};
 use anyhow::Context;
+use lens::LensArguments;
 use rayon::prelude::*;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
@@ -31,32 +35,13 @@ pub struct Arguments {
     /// Folder that gets camera_info.yaml, calibration.json and report.html; made where it is missing.
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
-    /// Lens model: plumb_bob.
-    #[arg(long, value_name = "NAME", default_value = "plumb_bob", value_parser = lens_model)]
-    model: &'static str,
-    /// Parameters that are not estimated, of fx, fy, cx, cy, k1, k2, p1, p2, k3. NAME=VALUE gives the value; without it a
-    /// distortion coefficient is 0, cx and cy are the middle of the frame, fx and fy the guess without distortion.
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = fixed_entry)]
-    fix: Vec<String>,
+    #[command(flatten)]
+    lens: LensArguments,
     #[command(flatten)]
     measuring: Measuring,
     /// Name of the camera in camera_info.yaml.
     #[arg(long, value_name = "NAME", default_value = "camera")]
     camera_name: String,
-}
-
-fn lens_model(name: &str) -> Result<&'static str, String> {
-    match name {
-        "plumb_bob" => Ok("plumb_bob"),
-        "rational_polynomial" | "equidistant" | "auto" => {
-            Err("this version calibrates plumb_bob only".to_owned())
-        }
-        _ => Err("no such lens model; known is plumb_bob".to_owned()),
-    }
-}
-
-fn fixed_entry(entry: &str) -> Result<String, FixedError> {
-    Fixed::from_entries([entry]).map(|_| entry.to_owned())
 }
 
 /// Runs the command.
@@ -75,9 +60,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     if let Some(path) = arguments.inputs.iter().find(|path| !path.exists()) {
         anyhow::bail!("{}: no such file or folder", path.display());
     }
-    let options = CalibrateOptions {
-        fixed: Fixed::from_entries(&arguments.fix)?,
-    };
+    let mut options = arguments.lens.options(arguments.measuring.estimator)?;
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| format!("{}: cannot be made", arguments.output.display()))?;
     let frames = source::frames(arguments.inputs)
@@ -85,6 +68,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let detector = Detector::new(board, arguments.measuring.options());
     let collected = collect(&detector, frames);
     let found = collected.session.views();
+    if arguments.lens.model() == ModelChoice::Auto {
+        let chosen = choose_model(detector.board(), found, &options);
+        let (model, scores) = chosen.context("no lens model fits")?;
+        eprint!("{}", summary::scores(&scores));
+        options.model = model;
+    }
     let refined = calibrate_refined(detector.board(), found, &options);
     let (calibration, views) = refined.with_context(|| {
         let given = collected.outcomes.len();
@@ -101,13 +90,18 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         &collected.outcomes,
     );
     write_files(&arguments.output, &file, calibration.camera)?;
-    for at in calibration.suspicious_views() {
-        eprintln!(
-            "warning: {} fits much worse than the others ({:.3} px): look at it",
-            views[at].source, calibration.views[at].rms_px
-        );
+    for (view, fit) in views.iter().zip(&calibration.views) {
+        if let Some(left_out) = &fit.left_out {
+            eprintln!("warning: {}: left out: {left_out}", view.source);
+        }
     }
-    print(&summary(&calibration, &collected))?;
+    let validated = cross_validate(detector.board(), &views, &options, &calibration);
+    print(&summary::summary(
+        &calibration,
+        &validated,
+        &collected.session,
+        collected.outcomes.len(),
+    ))?;
     Ok(())
 }
 
@@ -229,38 +223,4 @@ fn write_files(folder: &Path, file: &CalibrationJson, camera: Camera) -> anyhow:
         eprintln!("wrote {}", path.display());
     }
     Ok(())
-}
-
-/// The table on stdout.
-fn summary(calibration: &Calibration, collected: &Collected) -> String {
-    let camera = &calibration.camera;
-    let views = collected.session.views();
-    let rings: usize = views.iter().map(|view| view.rings.len()).sum();
-    let mut text = format!(
-        "camera    {} x {} px, plumb_bob\nviews     {} of {} inputs, {rings} rings\n\
-         coverage  {:.0} % of the frame\nrms       {:.4} px\n\n{:4} {:>16} {:>14}\n",
-        camera.width,
-        camera.height,
-        views.len(),
-        collected.outcomes.len(),
-        100.0 * collected.session.coverage(),
-        calibration.rms_px,
-        "name",
-        "value",
-        "std",
-    );
-    for (at, (name, value)) in Camera::PARAMETER_NAMES
-        .iter()
-        .zip(camera.parameters())
-        .enumerate()
-    {
-        let digits = if at < 4 { 4 } else { 7 };
-        let std = if calibration.fixed.contains(name) {
-            "fixed".to_owned()
-        } else {
-            format!("{:.digits$}", calibration.std(at))
-        };
-        text += &format!("{name:4} {value:>16.digits$} {std:>14}\n");
-    }
-    text
 }

@@ -2,7 +2,9 @@
 //!
 //! Results go to stdout, logs to stderr. Exit codes: 0 done, 1 the job could not be done (says why), 2 wrong usage.
 
+mod board;
 mod calibrate;
+mod check;
 mod demo;
 mod detect;
 mod measuring;
@@ -31,6 +33,10 @@ enum Command {
     Detect(detect::Arguments),
     /// Calibrate a camera from image files or folders.
     Calibrate(calibrate::Arguments),
+    /// Hold an existing calibration against new views, or against another calibration.
+    Check(check::Arguments),
+    /// Make a sheet with the board to print, true to scale, or propose a board for a camera.
+    Board(Box<board::Arguments>),
     /// Render frames of a defocused board together with the truth.
     Simulate(Box<simulate::Arguments>),
     /// The whole job on this machine without hardware, over DDS.
@@ -54,6 +60,8 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
         Command::Node(arguments) => node::run(arguments),
         Command::Detect(arguments) => detect::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Board(arguments) => board::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Demo(arguments) => demo::run(arguments),
     };

@@ -50,7 +50,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
 
 /// One scene for each view.
 fn scenes(arguments: &Arguments, board: &Board) -> anyhow::Result<Vec<Scene>> {
-    let camera = arguments.camera();
+    let camera = arguments.camera()?;
     let count = usize::from(arguments.views);
     let max_tilt_rad = arguments.max_tilt.to_radians();
     let poses = views(&camera, board, count, max_tilt_rad, arguments.seed)?;

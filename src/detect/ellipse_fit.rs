@@ -78,6 +78,11 @@ pub(super) fn fit_ellipse(points: &[Point2<f64>], settled: f64) -> Option<Ellips
     })
 }
 
+/// The ellipse through points that surround it; `None` where they determine none.
+pub(crate) fn ellipse_through(points: &[Point2<f64>]) -> Option<Ellipse> {
+    fit_ellipse(points, SETTLED).map(|fit| fit.ellipse)
+}
+
 /// A solution in units of the points' mean radius.
 struct Solution {
     conic: SVector<f64, 5>,

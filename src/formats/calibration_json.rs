@@ -1,7 +1,6 @@
 //! calibration.json: the whole result of a calibration for programs.
 
-use crate::calibrate::Calibration;
-use crate::camera::Camera;
+use crate::calibrate::{Calibration, Range};
 use crate::session::View;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -33,8 +32,31 @@ pub struct CalibrationJson {
     pub variance_factor: f64,
     /// Which construction gave the centres.
     pub estimator: String,
+    /// Standard deviation of where things are seen, over the frame.
+    pub projection_std_px: ProjectionStd,
     /// Every input in the order given, those that were not used as well.
     pub views: Vec<ViewJson>,
+}
+
+/// Standard deviation, in the worst direction, of the pixel at which something would appear to the camera of another calibration
+/// from such views; in the middles of the cells of the frame, by rows; null where the camera has no ray.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ProjectionStd {
+    /// Cells across the frame.
+    pub columns: usize,
+    /// Cells down the frame.
+    pub rows: usize,
+    /// Of things infinitely far away, px.
+    pub infinity: Vec<Option<f64>>,
+    /// The mean distance of the boards, m.
+    pub distance_m: f64,
+    /// Of things at that distance, px.
+    pub at_distance: Vec<Option<f64>>,
+}
+
+impl ProjectionStd {
+    const COLUMNS: usize = 10;
+    const ROWS: usize = 10;
 }
 
 /// One input.
@@ -46,13 +68,16 @@ pub struct ViewJson {
     pub used: bool,
     /// Why it is not used, or what is suspicious about it; one plain sentence.
     pub reason: Option<String>,
-    /// As `rms_px` of the file, of this view alone; null where it is not used, like the following two.
+    /// As `rms_px` of the file, of this view alone; null where it is not used.
     pub rms_px: Option<f64>,
-    /// Rotation from the board to the camera: axis times angle, rad.
+    /// Rotation from the board to the camera: axis times angle, rad; null where it has none, like the next.
     pub rotation_vector: Option<[f64; 3]>,
     /// The board's ring (0, 0) in the camera frame, m.
     pub translation_m: Option<[f64; 3]>,
-    /// The rings; empty where it is not used.
+    /// Covariance of (rotation vector, translation), by rows: the rotation vector turns the board about the camera's axes, rad; m. Null
+    /// where it is not used.
+    pub pose_covariance: Option<Vec<Vec<f64>>>,
+    /// The rings; empty where no board was found.
     pub rings: Vec<RingJson>,
 }
 
@@ -67,8 +92,10 @@ pub struct RingJson {
     pub x: f64,
     /// Measured projected centre, px.
     pub y: f64,
-    /// Measured less projected with the calibrated camera: (x, y), px.
-    pub residual: [f64; 2],
+    /// Measured less projected with the calibrated camera: (x, y), px; null where the view has no pose.
+    pub residual: Option<[f64; 2]>,
+    /// Whether it took part; a ring that does not was left out as an outlier, or with its view.
+    pub used: bool,
     /// Covariance of (x, y): xx, xy, yy, px^2; null where the estimator has none.
     pub cov: Option<[f64; 3]>,
 }
@@ -96,29 +123,22 @@ impl CalibrationJson {
         views: &[View],
         outcomes: &[Outcome],
     ) -> Self {
-        let names = Camera::PARAMETER_NAMES;
+        let names = || calibration.names.iter().copied();
         let camera = &calibration.camera;
-        let covariance = &calibration.covariance;
         Self {
-            model: "plumb_bob",
+            model: camera.model().name(),
             camera_name: camera_name.to_owned(),
             width: camera.width,
             height: camera.height,
-            parameters: names.into_iter().zip(camera.parameters()).collect(),
-            std: names
-                .into_iter()
-                .enumerate()
-                .map(|(at, name)| (name, calibration.std(at)))
-                .collect(),
-            names: names.to_vec(),
-            covariance: covariance
-                .row_iter()
-                .map(|row| row.iter().copied().collect())
-                .collect(),
+            parameters: names().zip(calibration.values()).collect(),
+            std: names().zip(calibration.stds()).collect(),
+            names: calibration.names.clone(),
+            covariance: rows(&calibration.covariance),
             fixed: calibration.fixed.clone(),
             rms_px: calibration.rms_px,
             variance_factor: calibration.variance_factor,
             estimator: estimator.to_owned(),
+            projection_std_px: ProjectionStd::of(calibration),
             views: view_entries(calibration, views, outcomes),
         }
     }
@@ -132,22 +152,33 @@ impl CalibrationJson {
     }
 }
 
+impl ProjectionStd {
+    fn of(calibration: &Calibration) -> Self {
+        let distance_m = calibration.typical_distance_m();
+        let map = |range| calibration.projection_std_map((Self::COLUMNS, Self::ROWS), range);
+        Self {
+            columns: Self::COLUMNS,
+            rows: Self::ROWS,
+            infinity: map(Range::Infinity),
+            distance_m,
+            at_distance: map(Range::At(distance_m)),
+        }
+    }
+}
+
+fn rows<R: nalgebra::Dim, C: nalgebra::Dim, S: nalgebra::RawStorage<f64, R, C>>(
+    matrix: &nalgebra::Matrix<f64, R, C, S>,
+) -> Vec<Vec<f64>> {
+    let rows = matrix.row_iter();
+    rows.map(|row| row.iter().copied().collect()).collect()
+}
+
 fn view_entries(calibration: &Calibration, views: &[View], outcomes: &[Outcome]) -> Vec<ViewJson> {
-    let suspicious = calibration.suspicious_views();
     outcomes
         .iter()
         .filter_map(|outcome| match outcome {
             Outcome::NotUsed { source, reason } => Some(not_used(source, reason)),
-            Outcome::Used(at) => {
-                let mut entry = used(calibration, *at, views.get(*at)?)?;
-                if suspicious.contains(at) {
-                    entry.reason = Some(format!(
-                        "its residuals are much larger than those of the other views ({:.2} px)",
-                        calibration.views[*at].rms_px
-                    ));
-                }
-                Some(entry)
-            }
+            Outcome::Used(at) => entry(calibration, *at, views.get(*at)?),
         })
         .collect()
 }
@@ -160,36 +191,48 @@ fn not_used(source: &str, reason: &str) -> ViewJson {
         rms_px: None,
         rotation_vector: None,
         translation_m: None,
+        pose_covariance: None,
         rings: Vec::new(),
     }
 }
 
-fn used(calibration: &Calibration, at: usize, view: &View) -> Option<ViewJson> {
+/// A view that was offered to the calibration, which may have left it out.
+fn entry(calibration: &Calibration, at: usize, view: &View) -> Option<ViewJson> {
     let fit = calibration.views.get(at)?;
     let rings = view
         .rings
         .iter()
-        .zip(&fit.residuals)
-        .map(|(ring, residual)| RingJson {
+        .zip(fit.residuals.iter().zip(&fit.rings_used))
+        .map(|(ring, (residual, used))| RingJson {
             row: ring.row,
             col: ring.column,
             x: ring.centre.point.x,
             y: ring.centre.point.y,
-            residual: [residual.x, residual.y],
+            residual: residual.map(|r| [r.x, r.y]),
+            used: *used && fit.used(),
             cov: ring
                 .centre
                 .covariance
                 .map(|c| [c[(0, 0)], c[(0, 1)], c[(1, 1)]]),
-        })
-        .collect();
+        });
+    let out = fit.rings_left_out();
+    let reason = match &fit.left_out {
+        Some(left_out) => Some(left_out.to_string()),
+        None if out > 0 => Some(format!(
+            "{out} of its {} rings are left out: they lie elsewhere than the others say",
+            view.rings.len()
+        )),
+        None => None,
+    };
     Some(ViewJson {
         source: view.source.clone(),
-        used: true,
-        reason: None,
-        rms_px: Some(fit.rms_px),
-        rotation_vector: Some(fit.pose.rotation_vector().into()),
-        translation_m: Some(fit.pose.translation_m.into()),
-        rings,
+        used: fit.used(),
+        reason,
+        rms_px: fit.used().then_some(fit.rms_px),
+        rotation_vector: fit.pose.map(|pose| pose.rotation_vector().into()),
+        translation_m: fit.pose.map(|pose| pose.translation_m.into()),
+        pose_covariance: calibration.pose_covariance(at).map(|c| rows(&c)),
+        rings: rings.collect(),
     })
 }
 
@@ -237,11 +280,11 @@ mod tests {
         assert_eq!((&ring["row"], &ring["col"]), (&1.into(), &1.into()));
         assert!(same(
             &ring["residual"][1],
-            calibration.views[1].residuals[8].y
+            calibration.views[1].residuals[8].unwrap().y
         ));
         assert!(ring["cov"].is_null());
         assert_eq!(json["views"][0]["rings"][0]["cov"][1], 0.001);
-        let depth = calibration.views[1].pose.translation_m.z;
+        let depth = calibration.views[1].pose.unwrap().translation_m.z;
         assert!(same(&json["views"][2]["translation_m"][2], depth));
     }
 }

@@ -5,7 +5,7 @@
 //! (ROS's cameracalibrator crops there, which depends on a taste for black borders.)
 
 use super::yaml_number::{flow_sequence, scalar};
-use crate::camera::{Camera, Intrinsics, PlumbBob};
+use crate::camera::{Camera, Distortion, Intrinsics, LensModel};
 use serde::Deserialize;
 
 /// A camera_info file.
@@ -68,7 +68,9 @@ pub enum CameraInfoError {
         name: &'static str,
     },
     /// A lens model that is not supported.
-    #[error("distortion_model {0:?} is not supported, only plumb_bob")]
+    #[error(
+        "distortion_model {0:?} is not supported; plumb_bob, rational_polynomial and equidistant are"
+    )]
     Model(String),
     /// The camera matrix is not that of a camera.
     #[error("camera_matrix has focal lengths {fx} and {fy}: the camera is not calibrated")]
@@ -109,12 +111,6 @@ impl CameraInfo {
         camera_matrix(&self.camera)
     }
 
-    /// The distortion in the order of `plumb_bob`: k1 k2 t1 t2 k3.
-    pub fn distortion(&self) -> [f64; 5] {
-        let d = &self.camera.distortion;
-        [d.k1, d.k2, d.p1, d.p2, d.k3]
-    }
-
     /// The text of the file.
     pub fn to_yaml(&self) -> String {
         let mut text = format!(
@@ -129,8 +125,9 @@ impl CameraInfo {
             format!("{name}:\n  rows: {rows}\n  cols: {columns}\n  data: {data}\n")
         };
         text += &matrix("camera_matrix", 3, &self.camera_matrix());
-        text += "distortion_model: plumb_bob\n";
-        text += &matrix("distortion_coefficients", 5, &self.distortion());
+        text += &format!("distortion_model: {}\n", self.camera.model());
+        let distortion = self.camera.distortion.coefficients();
+        text += &matrix("distortion_coefficients", distortion.len(), &distortion);
         text += &matrix("rectification_matrix", 3, &self.rectification);
         text += &matrix("projection_matrix", 4, &self.projection);
         if let Some([x, y]) = self.binning {
@@ -157,13 +154,15 @@ impl CameraInfo {
         if width == 0 || height == 0 {
             return Err(CameraInfoError::NoPixels { width, height });
         }
-        if file.distortion_model != "plumb_bob" {
-            return Err(CameraInfoError::Model(file.distortion_model));
-        }
+        let model: LensModel = match file.distortion_model.as_str() {
+            // OpenCV's name for the same
+            "fisheye" => LensModel::Equidistant,
+            name => name
+                .parse()
+                .map_err(|_| CameraInfoError::Model(file.distortion_model.clone()))?,
+        };
         let k: [f64; 9] = file.camera_matrix.values("camera_matrix", "3 x 3")?;
-        let [k1, k2, p1, p2, k3] = file
-            .distortion_coefficients
-            .values("distortion_coefficients", "1 x 5")?;
+        let distortion = file.distortion_coefficients.lens(model)?;
         let [fx, _, cx, _, fy, cy, ..] = k;
         if !(fx > 0.0 && fy > 0.0) {
             return Err(CameraInfoError::Uncalibrated { fx, fy });
@@ -172,7 +171,7 @@ impl CameraInfo {
             width,
             height,
             intrinsics: Intrinsics { fx, fy, cx, cy },
-            distortion: PlumbBob { k1, k2, p1, p2, k3 },
+            distortion,
         };
         let mut info = Self::new(file.camera_name, camera);
         if let Some(matrix) = &file.rectification_matrix {
@@ -220,6 +219,30 @@ struct Matrix {
 }
 
 impl Matrix {
+    /// The coefficients of a lens, in a row.
+    fn lens(&self, model: LensModel) -> Result<Distortion, CameraInfoError> {
+        let name = "distortion_coefficients";
+        let expected = match model {
+            LensModel::PlumbBob => "1 x 5",
+            LensModel::RationalPolynomial => "1 x 8",
+            LensModel::Equidistant => "1 x 4",
+        };
+        if self.data.iter().any(|value| !value.is_finite()) {
+            return Err(CameraInfoError::NotFinite { name });
+        }
+        let wrong_size = CameraInfoError::Size {
+            name,
+            rows: self.rows,
+            columns: self.cols,
+            values: self.data.len(),
+            expected,
+        };
+        let size = format!("{} x {}", self.rows, self.cols);
+        Distortion::new(model, &self.data)
+            .filter(|_| size == expected)
+            .ok_or(wrong_size)
+    }
+
     fn values<const N: usize>(
         &self,
         name: &'static str,
@@ -247,6 +270,7 @@ impl Matrix {
 mod tests {
     use super::*;
     use crate::calibrate::synthetic::wide;
+    use crate::camera::PlumbBob;
     use proptest::prelude::*;
 
     #[test]
@@ -288,7 +312,7 @@ projection_matrix:
         ) {
             let mut camera = wide();
             camera.intrinsics = Intrinsics { fx: k[0], fy: k[1], cx: c[0], cy: c[1] };
-            camera.distortion = PlumbBob { k1: d[0], k2: d[1], p1: d[2], p2: d[3], k3: d[4] };
+            camera.distortion = PlumbBob { k1: d[0], k2: d[1], p1: d[2], p2: d[3], k3: d[4] }.into();
             let mut info = CameraInfo::new(name, camera);
             info.binning = binning;
             info.roi = binning.map(|b| RegionOfInterest {
@@ -323,7 +347,7 @@ projection_matrix:
                 .unwrap_err()
                 .to_string()
         };
-        assert!(refused("plumb_bob", "fisheye").contains("\"fisheye\" is not supported"));
+        assert!(refused("plumb_bob", "thin_prism").contains("\"thin_prism\" is not supported"));
         assert!(refused("[401.5,", "[0.0,").contains("not calibrated"));
         assert!(
             refused(", -0.01]", "]").contains("distortion_coefficients has 1 rows, 5 cols and 4")

@@ -6,7 +6,7 @@
 
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
-use crate::camera::{Camera, Pose};
+use crate::camera::Pose;
 use crate::centre::photometric::{KnownRing, Shape, refit, shape_under};
 use crate::session::View;
 use nalgebra::Point2;
@@ -41,17 +41,20 @@ pub fn refine(board: &Board, views: &[View], calibration: &Calibration) -> Vec<V
     views
         .par_iter()
         .zip(&calibration.views)
-        .map(|(view, fit)| refine_view(board, view, &calibration.camera, &fit.pose))
+        .map(|(view, fit)| match &fit.pose {
+            Some(pose) if fit.used() => refine_view(board, view, calibration, pose),
+            _ => view.clone(),
+        })
         .collect()
 }
 
-fn refine_view(board: &Board, view: &View, camera: &Camera, pose: &Pose) -> View {
+fn refine_view(board: &Board, view: &View, calibration: &Calibration, pose: &Pose) -> View {
     let (places, rings): (Vec<usize>, Vec<KnownRing>) = view
         .rings
         .iter()
         .enumerate()
         .filter_map(|(place, ring)| {
-            let shape = ring_shape(board, (ring.row, ring.column), camera, pose)?;
+            let shape = ring_shape(board, (ring.row, ring.column), calibration, pose)?;
             let kept = ring.kept.as_deref()?;
             Some((place, KnownRing { kept, shape }))
         })
@@ -71,13 +74,15 @@ fn refine_view(board: &Board, view: &View, camera: &Camera, pose: &Pose) -> View
 fn ring_shape(
     board: &Board,
     (row, column): (u16, u16),
-    camera: &Camera,
+    calibration: &Calibration,
     pose: &Pose,
 ) -> Option<Shape> {
     let [x, y] = board.centre_m(row, column);
     let radius = board.outer_radius_m();
     shape_under(|d| {
         let place = Point2::new(x + d.x * radius, y + d.y * radius);
-        camera.project(&pose.board_to_camera([place.x, place.y]))
+        let on_sheet = calibration.sheet.place_m(place.into(), board.middle_m());
+        let point = pose.rotation * on_sheet + pose.translation_m;
+        calibration.camera.project(&point)
     })
 }

@@ -122,6 +122,7 @@ mod tests {
         let views = synthetic::views(&camera, &board, &poses, 0.1, 1);
         let options = CalibrateOptions {
             fixed: Fixed::from_entries(["k3"]).unwrap(),
+            ..CalibrateOptions::default()
         };
         let calibration = calibrate(&board, &views, &options).unwrap();
         let mut outcomes: Vec<Outcome> = (0..views.len()).map(Outcome::Used).collect();

@@ -11,4 +11,5 @@ mod visible;
 pub use encode::{EncodeError, Quality, grey_jpeg, grey_png, jpeg, png};
 pub use html::report_html;
 pub use overlay::{Scale, overlay};
+pub(crate) use text::wrap;
 pub use visible::visible;

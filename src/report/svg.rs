@@ -45,13 +45,14 @@ pub(super) fn residuals(file: &CalibrationJson) -> (String, f64) {
             colour(at),
             1.4 * dot
         );
-        for ring in &view.rings {
+        for ring in view.rings.iter().filter(|ring| ring.used) {
+            let [dx, dy] = ring.residual.unwrap_or_default();
             text += &format!(
                 "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\"/>",
                 ring.x,
                 ring.y,
-                ring.x + scale * ring.residual[0],
-                ring.y + scale * ring.residual[1]
+                ring.x + scale * dx,
+                ring.y + scale * dy
             );
         }
         text += "</g>\n";

@@ -75,7 +75,7 @@ fn draw_character(
 }
 
 /// Breaks text into lines of at most `columns` characters, between words where it can.
-pub(super) fn wrap(text: &str, columns: usize) -> Vec<String> {
+pub(crate) fn wrap(text: &str, columns: usize) -> Vec<String> {
     let columns = columns.max(1);
     let mut lines = vec![String::new()];
     let mut used = 0;

@@ -4,11 +4,11 @@
 
 use super::camera_info::camera_info;
 use super::inbox::FrameCounts;
-use super::job::{Job, Solved, describe};
+use super::job::{Job, Solved, describe, options};
 use super::messages::{CalibrationStatus, CameraInfo, Header, RingCentre, RingCentreArray};
 use super::settings::Settings;
 use crate::board::Board;
-use crate::calibrate::{CalibrateOptions, Calibration};
+use crate::calibrate::{Calibration, Estimate};
 use crate::camera::Camera;
 use crate::detect::{Detection, Indices};
 use crate::session::{Session, View};
@@ -59,7 +59,7 @@ pub struct Calibrator {
     session_number: u64,
     calibrated: Option<Calibrated>,
     solving: bool,
-    /// Views at the last calibration that was started without being asked.
+    /// Views that had ever been kept at the last calibration that was started without being asked.
     tried_at: usize,
     status: CalibrationStatus,
 }
@@ -67,10 +67,14 @@ pub struct Calibrator {
 impl Calibrator {
     /// A node that has seen no frame; `topic` is where it waits for them.
     pub fn new(configuration: Configuration, topic: &str) -> Self {
-        let session = Session::new(configuration.board.clone(), configuration.settings.rules);
+        let settings = &configuration.settings;
+        let mut session = Session::new(configuration.board.clone(), settings.rules);
+        session.set_options(options(settings, None));
         let status = CalibrationStatus {
             guidance: format!("waiting for frames on {topic}"),
             rms: f64::NAN,
+            predicted_fx_std: f64::NAN,
+            projection_std: f64::NAN,
             ..Default::default()
         };
         Self {
@@ -211,6 +215,9 @@ impl Calibrator {
             "collecting"
         };
         let rules = self.session.rules();
+        let progress = self.session.progress();
+        let estimate = self.session.estimate();
+        let least_certain = estimate.and_then(Estimate::least_certain);
         CalibrationStatus {
             state: state.to_owned(),
             views: number(self.session.views().len()),
@@ -223,6 +230,12 @@ impl Calibrator {
                 .calibrated
                 .as_ref()
                 .map_or(f64::NAN, |c| c.calibration.rms_px),
+            progress_x: progress.x,
+            progress_y: progress.y,
+            progress_size: progress.size,
+            progress_skew: progress.skew,
+            predicted_fx_std: estimate.map_or(f64::NAN, Estimate::fx_std_px),
+            projection_std: least_certain.map_or(f64::NAN, |(_, std_px)| std_px),
             ..status.clone()
         }
     }
@@ -280,19 +293,18 @@ impl Calibrator {
             session: self.session_number,
             board: self.configuration.board.clone(),
             views: self.session.views().to_vec(),
-            options: CalibrateOptions {
-                fixed: self.configuration.settings.fixed.clone(),
-            },
+            model: self.configuration.settings.model,
+            options: options(&self.configuration.settings, None),
         })
     }
 
     /// A calibration that nobody asked for, where the parameter auto_calibrate wants one now.
     pub fn start_automatically(&mut self) -> Option<Job> {
-        let views = self.session.views().len();
+        let views = self.session.ever_kept();
         let more = (self.session.rules().max_views / 4).max(1);
         let due = self.tried_at == 0 || views >= self.tried_at + more;
         let wanted = self.configuration.settings.auto_calibrate && due;
-        if !wanted || self.solving || !self.session.is_ready() {
+        if !wanted || self.solving || !self.session.is_enough() {
             return None;
         }
         self.tried_at = views;
@@ -310,6 +322,9 @@ impl Calibrator {
                     let text = describe(&calibration, solved.views);
                     // views of a session are all of one frame_id
                     let frame_id = self.session.views().first().map(|v| v.frame_id.clone());
+                    let model = calibration.camera.model();
+                    let settings = &self.configuration.settings;
+                    self.session.set_options(options(settings, Some(model)));
                     self.calibrated = Some(Calibrated {
                         calibration,
                         frame_id: frame_id.unwrap_or_default(),
@@ -358,6 +373,11 @@ impl Calibrator {
             .measures_differently(&new.settings);
         let changed = board.then_some("board").or(measuring);
         self.session.set_rules(new.settings.rules);
+        let model = self
+            .calibrated
+            .as_ref()
+            .map(|c| c.calibration.camera.model());
+        self.session.set_options(options(&new.settings, model));
         if let Some(what) = changed {
             self.session.reset();
             self.forget();

@@ -6,12 +6,12 @@ use crate::camera::Camera;
 /// The message of a camera that is not rectified: R is the identity, P the camera matrix with a column of zeros. The
 /// header is left empty.
 pub fn camera_info(camera: &Camera) -> CameraInfo {
-    let (i, d) = (&camera.intrinsics, &camera.distortion);
+    let i = &camera.intrinsics;
     CameraInfo {
         height: camera.height,
         width: camera.width,
-        distortion_model: "plumb_bob".to_owned(),
-        d: vec![d.k1, d.k2, d.p1, d.p2, d.k3],
+        distortion_model: camera.model().name().to_owned(),
+        d: camera.distortion.coefficients(),
         k: [i.fx, 0.0, i.cx, 0.0, i.fy, i.cy, 0.0, 0.0, 1.0],
         r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
         p: [
@@ -43,7 +43,8 @@ mod tests {
                 p1: 0.3,
                 p2: 0.4,
                 k3: 0.5,
-            },
+            }
+            .into(),
         };
         let info = camera_info(&camera);
         assert_eq!((info.width, info.height), (640, 480));

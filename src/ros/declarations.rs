@@ -73,12 +73,17 @@ pub fn declarations() -> Vec<Declaration> {
             )
         },
         Declaration {
-            constraints: "plumb_bob".to_owned(),
-            ..plain("model", text("plumb_bob"), "Lens model of the calibration.")
+            constraints: "one of plumb_bob, rational_polynomial, equidistant, auto".to_owned(),
+            ..plain(
+                "model",
+                text("plumb_bob"),
+                "Lens model of the calibration; auto takes the one that predicts left-out views best.",
+            )
         },
         Declaration {
             constraints:
-                "a list of fx, fy, cx, cy, k1, k2, p1, p2, k3, each with or without =VALUE"
+                "a list of the model's parameters (fx, fy, cx, cy, k1, k2, p1, p2, k3, ...), each with or without =VALUE, \
+                 principal_point, tangential, aspect_ratio, radial=N"
                     .to_owned(),
             ..plain(
                 "fixed",
@@ -101,13 +106,22 @@ pub fn declarations() -> Vec<Declaration> {
             ..plain(
                 "max_views",
                 ParameterValue::Integer(60),
-                "Views kept at most.",
+                "Views kept at most. Then a view that tells more about the camera replaces the one that tells least.",
+            )
+        },
+        Declaration {
+            range: Range::Doubles(0.0, 1000.0),
+            ..plain(
+                "target_px",
+                ParameterValue::Double(0.1),
+                "The views are enough where the projection uncertainty at infinity is below this everywhere in the frame, px; 0: as \
+                 soon as there are min_views that cover the frame.",
             )
         },
         plain(
             "auto_calibrate",
             ParameterValue::Boolean(false),
-            "Calibrate without being asked as soon as there are min_views, and again with every max_views / 4 more.",
+            "Calibrate without being asked as soon as the views are enough (see target_px), and again with every max_views / 4 more.",
         ),
         Declaration {
             constraints: "not empty".to_owned(),

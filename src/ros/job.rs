@@ -1,7 +1,9 @@
 //! One calibration, from the views as they were when it was asked for to a sentence about the result.
 
+use super::settings::Settings;
 use crate::board::Board;
-use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration};
+use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, ModelChoice, choose_model};
+use crate::camera::LensModel;
 use crate::refine::calibrate_refined;
 use crate::session::View;
 
@@ -14,7 +16,9 @@ pub struct Job {
     pub(super) board: Board,
     /// The views.
     pub(super) views: Vec<View>,
-    /// How to calibrate.
+    /// The lens model, or that it is to be chosen.
+    pub(super) model: ModelChoice,
+    /// How to calibrate otherwise.
     pub(super) options: CalibrateOptions,
 }
 
@@ -35,9 +39,33 @@ impl Job {
         Solved {
             session: self.session,
             views: self.views.len(),
-            result: calibrate_refined(&self.board, &self.views, &self.options)
-                .map(|(calibration, _)| calibration),
+            result: self.result(),
         }
+    }
+}
+
+impl Job {
+    fn result(&self) -> Result<Calibration, CalibrateError> {
+        let mut options = self.options.clone();
+        options.model = match self.model {
+            ModelChoice::Fixed(model) => model,
+            ModelChoice::Auto => choose_model(&self.board, &self.views, &options)?.0,
+        };
+        calibrate_refined(&self.board, &self.views, &options).map(|(calibration, _)| calibration)
+    }
+}
+
+/// How views are calibrated. Where the lens model is to be chosen, `known` is the one that was, and until then the usual one.
+pub(super) fn options(settings: &Settings, known: Option<LensModel>) -> CalibrateOptions {
+    let model = match settings.model {
+        ModelChoice::Fixed(model) => model,
+        ModelChoice::Auto => known.unwrap_or_default(),
+    };
+    CalibrateOptions {
+        model,
+        fixed: settings.fixed.clone(),
+        estimator: settings.estimator,
+        ..CalibrateOptions::default()
     }
 }
 
@@ -46,12 +74,17 @@ pub(super) fn describe(calibration: &Calibration, views: usize) -> String {
     let camera = &calibration.camera;
     let i = &camera.intrinsics;
     let mut text = format!(
-        "calibrated from {views} views: fx {:.2}, fy {:.2}, cx {:.2}, cy {:.2}, reprojection error {:.4} px",
-        i.fx, i.fy, i.cx, i.cy, calibration.rms_px
+        "calibrated from {views} views ({}): fx {:.2}, fy {:.2}, cx {:.2}, cy {:.2}, reprojection error {:.4} px",
+        camera.model(),
+        i.fx,
+        i.fy,
+        i.cx,
+        i.cy,
+        calibration.rms_px
     );
-    let suspicious = calibration.suspicious_views().len();
-    if suspicious > 0 {
-        text += &format!("; {suspicious} of the views fit badly");
+    let left_out = views - calibration.views_used();
+    if left_out > 0 {
+        text += &format!("; {left_out} of the views contradict the others and are left out");
     }
     text
 }

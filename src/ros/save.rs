@@ -39,7 +39,7 @@ pub fn save(camera: &Camera, camera_name: &str, folder: &Path) -> Result<PathBuf
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Intrinsics, PlumbBob};
+    use crate::camera::{Distortion, Intrinsics, PlumbBob};
 
     const CAMERA: Camera = Camera {
         width: 640,
@@ -50,13 +50,13 @@ mod tests {
             cx: 320.0,
             cy: 240.0,
         },
-        distortion: PlumbBob {
+        distortion: Distortion::PlumbBob(PlumbBob {
             k1: 0.1,
             k2: 0.2,
             p1: 0.3,
             p2: 0.4,
             k3: 0.5,
-        },
+        }),
     };
 
     #[test]

@@ -1,7 +1,7 @@
 //! What the parameters mean, checked as a whole.
 
 use super::parameters::{ParameterError, ParameterValues};
-use crate::calibrate::Fixed;
+use crate::calibrate::{Fixed, ModelChoice};
 use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
 use crate::detect::Required;
@@ -24,6 +24,8 @@ pub struct Settings {
     pub response_gamma: ResponseGamma,
     /// How much of the board must be seen.
     pub required: Required,
+    /// The lens model.
+    pub model: ModelChoice,
     /// Camera parameters that are not estimated.
     pub fixed: Fixed,
     /// When a frame is kept.
@@ -54,11 +56,16 @@ impl Settings {
             ));
         }
         only(values, "image_transport", "raw")?;
-        only(values, "model", "plumb_bob")?;
+        let model: ModelChoice = parsed(values, "model")?;
         let (estimator, psf) = (parsed(values, "estimator")?, parsed(values, "psf")?);
         let response_gamma = parsed(values, "response_gamma")?;
         let fixed = Fixed::from_entries(list(values, "fixed"))
             .map_err(|error| meaning("fixed", error.to_string()))?;
+        if let ModelChoice::Fixed(model) = model {
+            fixed
+                .in_model(model)
+                .map_err(|error| meaning("fixed", error.to_string()))?;
+        }
         let (min_views, max_views) = (count(values, "min_views"), count(values, "max_views"));
         if max_views < min_views {
             return Err(meaning(
@@ -77,6 +84,7 @@ impl Settings {
             ));
         }
         let max_motion_px = number(values, "max_motion_px");
+        let target_px = number(values, "target_px");
         let save_dir = text(values, "save_dir");
         let percent = count(values, "jpeg_quality");
         let jpeg_quality = u8::try_from(percent).ok().and_then(Quality::new);
@@ -88,11 +96,13 @@ impl Settings {
             psf,
             response_gamma,
             required: Required::rings(count(values, "required_rings")),
+            model,
             fixed,
             rules: SessionRules {
                 max_motion_px: (max_motion_px > 0.0).then_some(max_motion_px),
                 min_views,
                 max_views,
+                target_px: (target_px > 0.0).then_some(target_px),
                 ..SessionRules::default()
             },
             auto_calibrate: matches!(
@@ -227,6 +237,7 @@ mod tests {
             ("response_gamma", word("auto")),
             ("required_rings", ParameterValue::Integer(12)),
             ("fixed", ParameterValue::StringArray(vec!["k3".into()])),
+            ("model", word("auto")),
             ("min_views", ParameterValue::Integer(5)),
             ("max_views", ParameterValue::Integer(7)),
             ("auto_calibrate", ParameterValue::Boolean(true)),
@@ -235,15 +246,18 @@ mod tests {
             ("debug_scale", ParameterValue::Double(0.25)),
             ("jpeg_quality", ParameterValue::Integer(33)),
             ("max_motion_px", ParameterValue::Double(0.0)),
+            ("target_px", ParameterValue::Double(0.0)),
         ]))
         .unwrap();
         assert_eq!(settings.estimator, Estimator::PolePolar);
         assert_eq!(settings.psf, PsfChoice::Fixed(Psf::Disc));
         assert_eq!(settings.response_gamma, ResponseGamma::Auto);
         assert_eq!(settings.required, Required::Rings(12));
-        assert_eq!(settings.fixed.names(), ["k3"]);
+        assert_eq!(settings.fixed, Fixed::from_entries(["k3"]).unwrap());
+        assert_eq!(settings.model, ModelChoice::Auto);
         assert_eq!((settings.rules.min_views, settings.rules.max_views), (5, 7));
         assert_eq!(settings.rules.max_motion_px, None);
+        assert_eq!(settings.rules.target_px, None);
         assert!(settings.auto_calibrate);
         assert_eq!(settings.camera_name, "left");
         assert_eq!(settings.folder(Path::new("/h")), Path::new("/data"));
@@ -268,7 +282,7 @@ mod tests {
             ("response_gamma", ParameterValue::Double(9.0), "9.0"),
             ("response_gamma", ParameterValue::Double(f64::NAN), "NaN"),
             ("image_transport", word("theora"), "raw"),
-            ("model", word("equidistant"), "plumb_bob"),
+            ("model", word("fisheye"), "plumb_bob"),
             (
                 "fixed",
                 ParameterValue::StringArray(vec!["k9".into()]),

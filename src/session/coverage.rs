@@ -1,17 +1,18 @@
 //! Which parts of the frame the rings have covered.
 
 use super::View;
+use crate::calibrate::MAP_CELLS;
 use crate::detect::Ring;
 use nalgebra::{Point2, Vector3};
 
-/// Cells across the frame.
-pub const COLUMNS: usize = 10;
+/// Cells across the frame: those that the projection uncertainty is asked for in.
+pub const COLUMNS: usize = MAP_CELLS.0;
 /// Cells down the frame.
-pub const ROWS: usize = 8;
+pub const ROWS: usize = MAP_CELLS.1;
 /// Points of an ellipse that are looked at; a cell that a large ellipse enters between two of them is missed.
 const ELLIPSE_POINTS: usize = 32;
 
-/// The frame in 10 x 8 cells, each touched by a ring or not.
+/// The frame in 10 x 10 cells, each touched by a ring or not.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Coverage {
     cells: [[bool; COLUMNS]; ROWS],

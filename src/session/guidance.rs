@@ -8,26 +8,35 @@ use nalgebra::Vector3;
 /// are asked for.
 const WANTED_TILT_RAD: f64 = 0.26;
 
+/// Cells of a corner along each side; the edges and the middle have what is between.
+const CORNER: usize = 3;
+const FAR_ROW: usize = ROWS - CORNER;
+const FAR_COLUMN: usize = COLUMNS - CORNER;
+
 /// The nine regions of the frame that are asked for, corners first because the distortion is largest there, with
 /// the first and one past the last cell: (name, rows, columns).
 const REGIONS: [(&str, [usize; 2], [usize; 2]); 9] = [
-    ("top left corner", [0, 2], [0, 3]),
-    ("top right corner", [0, 2], [COLUMNS - 3, COLUMNS]),
-    ("bottom left corner", [ROWS - 2, ROWS], [0, 3]),
+    ("top left corner", [0, CORNER], [0, CORNER]),
+    ("top right corner", [0, CORNER], [FAR_COLUMN, COLUMNS]),
+    ("bottom left corner", [FAR_ROW, ROWS], [0, CORNER]),
     (
         "bottom right corner",
-        [ROWS - 2, ROWS],
-        [COLUMNS - 3, COLUMNS],
+        [FAR_ROW, ROWS],
+        [FAR_COLUMN, COLUMNS],
     ),
-    ("left edge", [2, ROWS - 2], [0, 3]),
-    ("right edge", [2, ROWS - 2], [COLUMNS - 3, COLUMNS]),
-    ("top edge", [0, 2], [3, COLUMNS - 3]),
-    ("bottom edge", [ROWS - 2, ROWS], [3, COLUMNS - 3]),
-    ("middle of the frame", [2, ROWS - 2], [3, COLUMNS - 3]),
+    ("left edge", [CORNER, FAR_ROW], [0, CORNER]),
+    ("right edge", [CORNER, FAR_ROW], [FAR_COLUMN, COLUMNS]),
+    ("top edge", [0, CORNER], [CORNER, FAR_COLUMN]),
+    ("bottom edge", [FAR_ROW, ROWS], [CORNER, FAR_COLUMN]),
+    (
+        "middle of the frame",
+        [CORNER, FAR_ROW],
+        [CORNER, FAR_COLUMN],
+    ),
 ];
 
 /// What the user should do next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Guidance {
     /// No view yet.
     ShowBoard,
@@ -39,12 +48,55 @@ pub enum Guidance {
     MoreViews {
         /// How many more.
         missing: usize,
+        /// How to show the board, where the views differ too little yet.
+        advice: Option<&'static str>,
     },
+    /// The views do not tell the camera yet, though they are many and differ.
+    NotTold {
+        /// What they leave open.
+        reason: String,
+    },
+    /// The camera is not certain enough yet.
+    Uncertain(LeastCertain),
     /// The calibration can be solved.
     Enough {
         /// Views kept.
         views: usize,
+        /// The projection uncertainty that the target asked for, px; `None` without a target.
+        std_px: Option<f64>,
     },
+    /// No more views may be kept, and the camera is not as certain as it should be.
+    Full {
+        /// Views kept.
+        views: usize,
+        /// Where it is least so.
+        least: LeastCertain,
+    },
+}
+
+/// The part of the frame that is least certain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastCertain {
+    /// Its name.
+    pub region: &'static str,
+    /// Projection uncertainty at infinity there, px.
+    pub std_px: f64,
+    /// What it should be, px.
+    pub target_px: f64,
+}
+
+impl std::fmt::Display for LeastCertain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self {
+            region,
+            std_px,
+            target_px,
+        } = self;
+        write!(
+            f,
+            "{region}, where the camera is uncertain by {std_px:.2} px, {target_px} px is wanted"
+        )
+    }
 }
 
 impl std::fmt::Display for Guidance {
@@ -53,39 +105,121 @@ impl std::fmt::Display for Guidance {
             Self::ShowBoard => write!(f, "show the board to the camera and hold it still"),
             Self::MoveTo(region) => write!(f, "move the board into the {region}"),
             Self::Tilt(direction) => write!(f, "tilt the board more: {direction}"),
-            Self::MoreViews { missing: 1 } => {
-                write!(f, "1 more view needed, at another place or tilt")
+            Self::MoreViews { missing, advice } => {
+                let s = if *missing == 1 { "" } else { "s" };
+                let place = if *missing == 1 {
+                    "another place or tilt"
+                } else {
+                    "other places and tilts"
+                };
+                match advice {
+                    Some(advice) => write!(f, "{missing} more view{s} needed: the board {advice}"),
+                    None => write!(f, "{missing} more view{s} needed, at {place}"),
+                }
             }
-            Self::MoreViews { missing } => {
-                write!(f, "{missing} more views needed, at other places and tilts")
-            }
-            Self::Enough { views } => write!(f, "enough views ({views}): calibrate"),
+            Self::NotTold { reason } => write!(f, "the views do not tell the camera yet: {reason}"),
+            Self::Uncertain(least) => write!(f, "show the board tilted in the {least}"),
+            Self::Enough {
+                views,
+                std_px: None,
+            } => write!(f, "enough views ({views}): calibrate"),
+            Self::Enough {
+                views,
+                std_px: Some(px),
+            } => write!(
+                f,
+                "enough views ({views}), the camera is uncertain by {px:.3} px at most: calibrate"
+            ),
+            Self::Full { views, least } => write!(
+                f,
+                "{views} views are kept, as many as may be: calibrate, or show the board in the {least}; a view that \
+                 tells more replaces another"
+            ),
         }
     }
 }
 
-/// Places first, then tilts, then the number of views.
+/// What the estimate of the camera says where a target is set; before there is one, places first, then tilts, then the number of
+/// views.
 pub(super) fn guidance(session: &Session) -> Guidance {
-    let views = session.views().len();
-    if views >= session.rules().max_views {
-        return Guidance::Enough { views };
-    }
+    let (views, rules) = (session.views().len(), session.rules());
     if views == 0 {
         return Guidance::ShowBoard;
     }
+    match (rules.target_px, session.estimate()) {
+        (Some(target_px), Some(estimate)) => {
+            if let Some((cell, std_px)) = estimate.least_certain() {
+                let least = LeastCertain {
+                    region: region_of(cell),
+                    std_px,
+                    target_px,
+                };
+                return with_target(session, estimate.views_used(), least);
+            }
+        }
+        (None, _) if views >= rules.max_views => {
+            return Guidance::Enough {
+                views,
+                std_px: None,
+            };
+        }
+        _ => {}
+    }
+    if let Some(missing) = missing_coverage(session) {
+        return missing;
+    }
+    match rules.min_views.saturating_sub(views) {
+        0 if rules.target_px.is_none() => Guidance::Enough {
+            views,
+            std_px: None,
+        },
+        0 => Guidance::NotTold {
+            reason: session
+                .not_told()
+                .map_or_else(|| "more of them are needed".to_owned(), ToString::to_string),
+        },
+        missing => more_views(session, missing),
+    }
+}
+
+fn with_target(session: &Session, used: usize, least: LeastCertain) -> Guidance {
+    let (views, rules) = (session.views().len(), session.rules());
+    let certain = least.std_px <= least.target_px;
+    match rules.min_views.saturating_sub(used) {
+        0 if certain => Guidance::Enough {
+            views,
+            std_px: Some(least.std_px),
+        },
+        _ if views >= rules.max_views => Guidance::Full { views, least },
+        missing if certain => more_views(session, missing),
+        // without tilt the focal length is what is uncertain, and that shows in the corners wherever the board was
+        _ => missing_tilt(&session.normals()).map_or(Guidance::Uncertain(least), Guidance::Tilt),
+    }
+}
+
+fn more_views(session: &Session, missing: usize) -> Guidance {
+    let advice = session.progress().advice();
+    Guidance::MoreViews { missing, advice }
+}
+
+fn missing_coverage(session: &Session) -> Option<Guidance> {
     let bare = REGIONS
         .iter()
         .find(|(_, rows, columns)| covered(session.coverage_map(), *rows, *columns) < 1.0 / 3.0);
     if let Some((region, _, _)) = bare {
-        return Guidance::MoveTo(region);
+        return Some(Guidance::MoveTo(region));
     }
-    if let Some(direction) = missing_tilt(&session.normals()) {
-        return Guidance::Tilt(direction);
-    }
-    match session.rules().min_views.saturating_sub(views) {
-        0 => Guidance::Enough { views },
-        missing => Guidance::MoreViews { missing },
-    }
+    missing_tilt(&session.normals()).map(Guidance::Tilt)
+}
+
+/// The region that a cell, counted by rows, lies in.
+fn region_of(cell: usize) -> &'static str {
+    let (row, column) = (cell / COLUMNS, cell % COLUMNS);
+    let inside = |[first, end]: [usize; 2], at: usize| (first..end).contains(&at);
+    REGIONS
+        .iter()
+        .find(|(_, rows, columns)| inside(*rows, row) && inside(*columns, column))
+        .map_or("frame", |(name, _, _)| name)
 }
 
 fn covered(map: &Coverage, rows: [usize; 2], columns: [usize; 2]) -> f64 {

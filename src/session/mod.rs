@@ -3,25 +3,38 @@
 //! A [`Session`] is offered every frame in which the board was found and keeps those that are still and new; the node
 //! and the command line both fill one. It says how much of the frame the rings have covered and what to show next.
 //!
+//! As long as the views do not tell the camera, being new is what counts: other places, other tilts. Once they do, a
+//! view is kept for the information that it adds, after it was seen to agree with the others ([`Estimate`]), and the views are
+//! enough when they predict everywhere in the frame where a thing would be seen ([`SessionRules::target_px`]). [`choose`] does the
+//! same for a recording, all of whose views are there already.
+//!
 //! Tilt is needed before the lens is known. It is taken from a view's homography with the focal length that the
 //! homographies of the views kept agree on, and as long as they do not (fewer than three views, or none tilted) with
 //! a nominal one of 1.2 times the longer side of the frame, which is a field of view of 45 degrees. With a lens of
 //! 4 sides a tilt then looks about a third of what it is.
 
+mod choice;
+mod choose;
 mod coverage;
 mod guidance;
+mod measures;
 mod motion;
 mod rules;
+mod variety;
 mod view;
 
+pub use choose::choose;
 pub use coverage::Coverage;
-pub use guidance::Guidance;
+pub use guidance::{Guidance, LeastCertain};
+pub use measures::{Measures, Progress};
 pub use motion::{Motion, motion};
 pub use rules::{Change, Offer, OnChange, SessionRules, Verdict};
 pub use view::View;
 
 use crate::board::Board;
-use crate::calibrate::{NEEDED_RINGS, focal_length_px, plane_normal};
+use crate::calibrate::{CalibrateError, CalibrateOptions, Estimate, NEEDED_RINGS, Told};
+use crate::calibrate::{focal_length_px, plane_normal};
+use choice::{Choice, Decision};
 use nalgebra::Vector3;
 
 /// Nominal focal length over the longer side of the frame.
@@ -34,6 +47,9 @@ pub struct Session {
     rules: SessionRules,
     views: Vec<View>,
     coverage: Coverage,
+    choice: Choice,
+    /// Views that were ever kept, those that were replaced since as well.
+    ever_kept: usize,
     /// The frame before, where the board was found in it.
     before: Option<View>,
 }
@@ -46,6 +62,8 @@ impl Session {
             rules,
             views: Vec::new(),
             coverage: Coverage::default(),
+            choice: Choice::default(),
+            ever_kept: 0,
             before: None,
         }
     }
@@ -70,10 +88,22 @@ impl Session {
         self.views.len() >= self.rules.min_views
     }
 
+    /// Whether a calibration need not wait for more views: the target is met, or no more may be kept. Without a target
+    /// as [`Session::is_ready`].
+    pub fn is_enough(&self) -> bool {
+        let ends = || {
+            let guidance = self.guidance();
+            matches!(guidance, Guidance::Enough { .. } | Guidance::Full { .. })
+        };
+        self.is_ready() && (self.rules.target_px.is_none() || ends())
+    }
+
     /// Forgets all views.
     pub fn reset(&mut self) {
         self.views.clear();
         self.coverage = Coverage::default();
+        self.choice.forget();
+        self.ever_kept = 0;
         self.before = None;
     }
 
@@ -92,12 +122,20 @@ impl Session {
         self.rules = rules;
     }
 
+    /// Changes how the camera is estimated from the views while they are collected.
+    pub fn set_options(&mut self, options: CalibrateOptions) {
+        if options != *self.choice.options() {
+            self.choice.set_options(options, &self.board, &self.views);
+        }
+    }
+
     /// Says that a frame showed no board: the next one with a board has nothing to be still against.
     pub fn missed(&mut self) {
         self.before = None;
     }
 
-    /// Offers a frame in which the board was found; it is kept where it is of the same camera, still and new.
+    /// Offers a frame in which the board was found; it is kept where it is of the same camera, still and new, and tells
+    /// something.
     pub fn offer(&mut self, view: View) -> Offer {
         let change = self.change(&view);
         if let (Some(change), OnChange::Refuse) = (&change, self.rules.on_change) {
@@ -115,12 +153,12 @@ impl Session {
         let verdict = self
             .not_still(before.as_ref(), &view)
             .or_else(|| self.not_wanted(&view))
-            .unwrap_or_else(|| self.keep(view.clone()));
+            .unwrap_or_else(|| self.decide(&view));
         self.before = Some(view);
         Offer { restart, verdict }
     }
 
-    /// Fraction of the frame's area that the rings of the views kept have covered, 0 to 1, in 10 x 8 cells.
+    /// Fraction of the frame's area that the rings of the views kept have covered, 0 to 1, in 10 x 10 cells.
     pub fn coverage(&self) -> f64 {
         self.coverage.fraction()
     }
@@ -128,6 +166,27 @@ impl Session {
     /// The cells of the frame that the rings of the views kept have covered.
     pub fn coverage_map(&self) -> &Coverage {
         &self.coverage
+    }
+
+    /// How far the ranges of X, Y, size and skew reach, as camera_calibration shows them.
+    pub fn progress(&self) -> Progress {
+        let views = self.views.iter();
+        Progress::of(views.map(|view| Measures::of(&self.board, view)))
+    }
+
+    /// The camera as the views kept tell it so far; `None` while they do not, and where the rules do not ask for it.
+    pub fn estimate(&self) -> Option<&Estimate> {
+        self.choice.estimate()
+    }
+
+    /// Why there is no estimate, where one was tried.
+    pub fn not_told(&self) -> Option<&CalibrateError> {
+        self.choice.refused()
+    }
+
+    /// Views that were ever kept since the session began, those that were replaced as well.
+    pub fn ever_kept(&self) -> usize {
+        self.ever_kept
     }
 
     /// What to show the camera next.
@@ -173,12 +232,9 @@ impl Session {
     }
 
     fn not_wanted(&self, view: &View) -> Option<Verdict> {
-        let (found, max_views) = (view.rings.len(), self.rules.max_views);
+        let found = view.rings.len();
         if found < NEEDED_RINGS {
             return Some(Verdict::TooFewRings { found });
-        }
-        if self.views.len() >= max_views {
-            return Some(Verdict::Full { max_views });
         }
         let focal = self.focal_px();
         let normal_now = normal(view, focal);
@@ -198,12 +254,35 @@ impl Session {
         })
     }
 
-    fn keep(&mut self, view: View) -> Verdict {
+    fn decide(&mut self, view: &View) -> Verdict {
+        let kept = (self.views.as_slice(), self.focal_px());
+        let decision = self.choice.decide(&self.board, &self.rules, kept, view);
+        match decision {
+            Decision::Refuse(verdict) => verdict,
+            Decision::Keep(told) => {
+                self.keep(view.clone(), told, None);
+                let views = self.views.len();
+                Verdict::Kept { views }
+            }
+            Decision::Exchange(at, told) => {
+                let replaced = self.views.remove(at).source;
+                self.coverage = Coverage::default();
+                for kept in &self.views {
+                    self.coverage.add(kept);
+                }
+                self.keep(view.clone(), told, Some(at));
+                let views = self.views.len();
+                Verdict::Replaced { views, replaced }
+            }
+        }
+    }
+
+    fn keep(&mut self, view: View, told: Option<Told>, instead_of: Option<usize>) {
         self.coverage.add(&view);
         self.views.push(view);
-        Verdict::Kept {
-            views: self.views.len(),
-        }
+        self.ever_kept += 1;
+        let (board, rules, views) = (&self.board, &self.rules, &self.views);
+        self.choice.kept(board, rules, views, (told, instead_of));
     }
 
     /// The focal length the views agree on, or the nominal one; 0 without views.
@@ -228,5 +307,7 @@ fn normal(view: &View, focal_px: f64) -> Option<Vector3<f64>> {
     )
 }
 
+#[cfg(test)]
+mod stream;
 #[cfg(test)]
 mod tests;

@@ -17,6 +17,13 @@ pub struct SessionRules {
     pub min_views: usize,
     /// Views kept at most.
     pub max_views: usize,
+    /// Once `min_views` are kept and tell the camera, a view must add at least this part of what the views kept tell on average, in
+    /// nats; when `max_views` are kept, a view that adds clearly more than the one that would be missed least takes its place.
+    /// `None` keeps every new view up to `max_views`, whatever it says.
+    pub least_gain: Option<f64>,
+    /// The views are enough where the projection uncertainty at infinity is below this everywhere in the frame, px; `None` where the
+    /// number of views and the coverage say it.
+    pub target_px: Option<f64>,
     /// What a change of frame size or `frame_id` means.
     pub on_change: OnChange,
 }
@@ -39,6 +46,8 @@ impl Default for SessionRules {
             new_tilt_rad: 5.0_f64.to_radians(),
             min_views: 10,
             max_views: 60,
+            least_gain: Some(0.25),
+            target_px: Some(0.1),
             on_change: OnChange::StartAnew,
         }
     }
@@ -53,6 +62,8 @@ impl SessionRules {
             max_motion_px: None,
             new_shift: 0.001,
             max_views: usize::MAX,
+            least_gain: None,
+            target_px: None,
             on_change: OnChange::Refuse,
             ..Self::default()
         }
@@ -71,7 +82,10 @@ pub struct Offer {
 impl Offer {
     /// Whether the frame became a view.
     pub fn kept(&self) -> bool {
-        matches!(self.verdict, Verdict::Kept { .. })
+        matches!(
+            self.verdict,
+            Verdict::Kept { .. } | Verdict::Replaced { .. }
+        )
     }
 }
 
@@ -82,6 +96,13 @@ pub enum Verdict {
     Kept {
         /// Views kept, this one included.
         views: usize,
+    },
+    /// It is a view now, in place of another one.
+    Replaced {
+        /// Views kept.
+        views: usize,
+        /// `source` of the view that is given up.
+        replaced: String,
     },
     /// No frame with the board came right before, so nothing says whether it is still.
     FirstSight,
@@ -105,6 +126,18 @@ pub enum Verdict {
     TooFewRings {
         /// Rings seen.
         found: usize,
+    },
+    /// It is not where the camera that the views kept agree on would see it.
+    Contradicts {
+        /// In which way.
+        reason: String,
+    },
+    /// The camera would hardly become more certain by it.
+    AddsLittle {
+        /// By how much fx would, %; `None` where fx is not estimated.
+        fx_percent: Option<f64>,
+        /// The number of views kept, where no more may be and each of them tells more.
+        full: Option<usize>,
     },
     /// Enough views are kept.
     Full {
@@ -153,6 +186,10 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Kept { views } => write!(f, "kept as view {views}"),
+            Self::Replaced { views, replaced } => write!(
+                f,
+                "replaces the view {replaced}, which told least; {views} views are kept"
+            ),
             Self::FirstSight => write!(f, "the board came into sight; hold it still"),
             Self::Moving {
                 motion_px: Some(motion),
@@ -177,6 +214,20 @@ impl fmt::Display for Verdict {
                 f,
                 "{found} rings are too few for a view, at least {NEEDED_RINGS} are needed"
             ),
+            Self::Contradicts { reason } => write!(
+                f,
+                "does not agree with the views kept: {reason}; if this goes on, reset and start anew"
+            ),
+            Self::AddsLittle { fx_percent, full } => {
+                write!(f, "adds too little")?;
+                if let Some(percent) = fx_percent {
+                    write!(f, ": fx would become certain by {percent:.1} % more")?;
+                }
+                match full {
+                    Some(views) => write!(f, "; each of the {views} views kept tells as much"),
+                    None => write!(f, "; show the board at another place, tilt or distance"),
+                }
+            }
             Self::Full { max_views } => write!(f, "{max_views} views are kept already, enough"),
             Self::Stray(change) => write!(f, "not of the same camera: {change}"),
         }

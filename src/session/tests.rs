@@ -130,12 +130,17 @@ fn no_more_than_max_views_are_kept() {
     session.set_rules(SessionRules {
         max_views: 1,
         min_views: 1,
+        target_px: None,
         ..SessionRules::default()
     });
     offer_twice(&mut session, &view(MIDDLE, [0.0; 3]));
     let full = offer_twice(&mut session, &view([300.0, 480.0], [0.0; 3]));
     assert_eq!(full.verdict, Verdict::Full { max_views: 1 });
-    assert_eq!(session.guidance(), Guidance::Enough { views: 1 });
+    let enough = Guidance::Enough {
+        views: 1,
+        std_px: None,
+    };
+    assert_eq!(session.guidance(), enough);
 }
 
 #[test]

@@ -223,14 +223,12 @@ impl Scene {
             let ok = (1..=65_536).contains(&size);
             need(name, f64::from(size), ok, "1 to 65536 px")?;
         }
-        let (k, d) = (&camera.intrinsics, &camera.distortion);
+        let k = &camera.intrinsics;
         positive("fx", k.fx)?;
         positive("fy", k.fy)?;
         let (r, t) = (self.pose.rotation_vector(), self.pose.translation_m);
-        let finite = [
-            k.cx, k.cy, d.k1, d.k2, d.p1, d.p2, d.k3, r.x, r.y, r.z, t.x, t.y, t.z,
-        ];
-        for value in finite {
+        let pose = [r.x, r.y, r.z, t.x, t.y, t.z];
+        for value in camera.parameters().into_iter().chain(pose) {
             let ok = value.is_finite();
             need("each number of camera and pose", value, ok, "finite")?;
         }

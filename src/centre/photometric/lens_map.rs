@@ -10,7 +10,7 @@
 
 use super::shape::Shape;
 use crate::camera::homography::{apply, fit_homography};
-use crate::camera::{Camera, Intrinsics, PlumbBob};
+use crate::camera::{Camera, Distortion, Intrinsics, PlumbBob};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Point2, Vector2};
 
 /// Coefficients of the lens for so many rings: radial r^2; r^4 and two tangential; r^6.
@@ -52,7 +52,7 @@ impl LensMap {
     /// Least squares through centres seen by a camera; `None` where they determine no plane. Of a [`blank`] camera the lens is found
     /// too.
     pub(super) fn through(anchors: &[Anchor], camera: &Camera) -> Option<Certain> {
-        let known = camera.distortion != PlumbBob::default();
+        let known = !camera.distortion.is_none();
         let pairs = anchors
             .iter()
             .map(|a| Some((a.plane_m, camera.unproject(&a.at)?)));
@@ -116,13 +116,18 @@ impl LensMap {
             lens[k] += step[8 + k];
         }
         let [k1, k2, p1, p2, k3] = lens;
-        moved.camera.distortion = PlumbBob { k1, k2, p1, p2, k3 };
+        if self.free > 0 {
+            moved.camera.distortion = PlumbBob { k1, k2, p1, p2, k3 }.into();
+        }
         moved
     }
 
     fn lens(&self) -> [f64; MOST_LENS] {
-        let PlumbBob { k1, k2, p1, p2, k3 } = self.camera.distortion;
-        [k1, k2, p1, p2, k3]
+        // a lens of another model is a known one, and nothing of it is free
+        match self.camera.distortion {
+            Distortion::PlumbBob(PlumbBob { k1, k2, p1, p2, k3 }) => [k1, k2, p1, p2, k3],
+            _ => [0.0; MOST_LENS],
+        }
     }
 
     /// Where a place of the board (m) is seen, px.
@@ -209,7 +214,7 @@ pub(super) fn blank(width: usize, height: usize) -> Camera {
             cx: 0.5 * (w - 1.0),
             cy: 0.5 * (h - 1.0),
         },
-        distortion: PlumbBob::default(),
+        distortion: PlumbBob::default().into(),
     }
 }
 
@@ -247,7 +252,7 @@ mod tests {
     fn anchors(lens: [f64; MOST_LENS]) -> (LensMap, Vec<Anchor>) {
         let [k1, k2, p1, p2, k3] = lens;
         let mut camera = blank(1280, 960);
-        camera.distortion = PlumbBob { k1, k2, p1, p2, k3 };
+        camera.distortion = PlumbBob { k1, k2, p1, p2, k3 }.into();
         let map = LensMap {
             homography: Matrix3::new(2.62, 0.11, -0.57, -0.075, 2.37, -0.41, 0.9, -0.6, 1.0),
             camera,

@@ -16,6 +16,7 @@
 //! curvature. The model knows both. It is fitted to the raw pixels of the frame, binned as far as the blur allows.
 
 mod around;
+mod bent;
 mod blur;
 mod board;
 mod border;
@@ -53,6 +54,7 @@ mod under;
 mod usual;
 mod window;
 
+pub use bent::bent;
 pub use blur::{Blur, Psf};
 pub use board::{BoardMeasured, BoardPlace, BoardStart, measure_board};
 pub use bound::cramer_rao_bound;

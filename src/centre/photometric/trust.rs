@@ -26,6 +26,9 @@ const LEAST_LAYER_PIXELS: f64 = 1.0;
 const MOST_DEVIATIONS: f64 = 3.8;
 const INDEPENDENT: f64 = 4.0;
 const MODEL_ERROR: f64 = 4e-3;
+/// The same beside the outer circle, up to two sigmas out: a lens bends the edge by a few hundredths of a pixel.
+const BENT_ERROR: f64 = 1.5e-2;
+const BENT_LAYERS: usize = INSIDE_LAYERS + 2;
 /// Directions that are suspected at most, and that must be left in the end.
 const MOST_SUSPECTS: usize = 5;
 const LEAST_DIRECTIONS: usize = 3;
@@ -173,8 +176,17 @@ impl Surroundings {
         }
         let noise = (own.squares / own.pixels.max(1.0)).sqrt();
         let contrast = (fitted.model.paper - fitted.model.ring).abs();
-        let strange = blocks.map(|layers| layers.map(|block| block.strangeness(noise, contrast)));
-        let trusted = strange.map(|layers| {
+        let strange = blocks.map(|layers| {
+            let error = |layer| {
+                if layer < BENT_LAYERS {
+                    BENT_ERROR
+                } else {
+                    MODEL_ERROR
+                }
+            };
+            std::array::from_fn(|layer| layers[layer].strangeness(noise, error(layer) * contrast))
+        });
+        let trusted = strange.map(|layers: [f64; LAYERS]| {
             (FIRST_SUSPECT..LAYERS)
                 .find(|&layer| layers[layer] > 1.0)
                 .map_or(LAYERS, |first| (first - 1).max(FIRST_SUSPECT))
@@ -235,9 +247,9 @@ impl Block {
     }
 
     /// The mean residual over what noise allows.
-    fn strangeness(&self, noise: f64, contrast: f64) -> f64 {
+    fn strangeness(&self, noise: f64, error: f64) -> f64 {
         let mean = self.sum / self.pixels.max(1.0);
         let independent = self.pixels.clamp(1.0, INDEPENDENT);
-        mean.abs() / (MOST_DEVIATIONS * noise / independent.sqrt() + MODEL_ERROR * contrast)
+        mean.abs() / (MOST_DEVIATIONS * noise / independent.sqrt() + error)
     }
 }

@@ -1,7 +1,7 @@
 //! The demonstration's camera: rendered frames as messages, and the truth about them.
 
 use crate::board::Board;
-use crate::camera::{Camera, Intrinsics, PlumbBob, Pose};
+use crate::camera::{Camera, Distortion, Intrinsics, PlumbBob, Pose};
 use crate::frame::Pixels;
 use crate::ros::messages::{Header, Image, Time};
 use crate::simulate::{Defocus, Scene, Sensor, Truth, render, views};
@@ -23,13 +23,13 @@ const TRUTH: Camera = Camera {
         cx: 651.0,
         cy: 472.0,
     },
-    distortion: PlumbBob {
+    distortion: Distortion::PlumbBob(PlumbBob {
         k1: -0.21,
         k2: 0.07,
         p1: 0.0008,
         p2: -0.0005,
         k3: 0.0,
-    },
+    }),
 };
 
 /// One frame and the truth about it.

@@ -41,10 +41,8 @@ pub fn table(truth: &Camera, info: &CameraInfo, rms_px: f64, centres: &CentreErr
     let found = [info.k[0], info.k[4], info.k[2], info.k[5]]
         .into_iter()
         .chain(info.d.iter().copied());
-    let rows = Camera::PARAMETER_NAMES
-        .into_iter()
-        .zip(truth.parameters())
-        .zip(found);
+    let names = truth.parameter_names();
+    let rows = names.iter().zip(truth.parameters()).zip(found);
     let mut text = format!(
         "{:<10} {:>12} {:>12} {:>12}\n",
         "parameter", "truth", "calibrated", "difference"

@@ -1,7 +1,8 @@
 //! The options of `ringcal simulate`; values out of range are wrong usage.
 
-use crate::camera::{Camera, Intrinsics, PlumbBob};
+use crate::camera::{Camera, Distortion, Intrinsics, LensModel};
 use crate::simulate::{Defocus, Psf, ThinLens};
+use anyhow::Context;
 use std::path::PathBuf;
 
 /// Arguments of `ringcal simulate`.
@@ -41,9 +42,13 @@ pub struct Arguments {
     /// Principal point along y, px [default: the middle]
     #[arg(long, value_name = "PX", value_parser = finite)]
     cy: Option<f64>,
-    /// Lens distortion, the five numbers of plumb_bob
-    #[arg(long, value_name = "k1,k2,p1,p2,k3", value_parser = distortion, allow_hyphen_values = true)]
-    distortion: Option<PlumbBob>,
+    /// Lens model: plumb_bob, rational_polynomial or equidistant (fisheye)
+    #[arg(long, value_name = "NAME", default_value = "plumb_bob")]
+    model: LensModel,
+    /// Lens distortion in the order of ROS: k1,k2,p1,p2,k3 of plumb_bob, and k4,k5,k6 of rational_polynomial; k1,k2,k3,k4 of
+    /// equidistant [default: zeros]
+    #[arg(long, value_name = "K,...", value_parser = finite, value_delimiter = ',', allow_hyphen_values = true)]
+    distortion: Vec<f64>,
     /// Gaussian blur, standard deviation, px
     #[arg(long, value_name = "PX", value_parser = not_negative, group = "blur")]
     blur_sigma: Option<f64>,
@@ -90,9 +95,26 @@ pub struct Arguments {
 
 impl Arguments {
     /// The camera asked for.
-    pub fn camera(&self) -> Camera {
+    ///
+    /// # Errors
+    /// Another number of coefficients than the lens model has.
+    pub fn camera(&self) -> anyhow::Result<Camera> {
         let focal_px = self.focal_px.unwrap_or(f64::from(self.width));
-        Camera {
+        let needed = self.model.coefficient_count();
+        let zeros = vec![0.0; needed];
+        let given = if self.distortion.is_empty() {
+            &zeros
+        } else {
+            &self.distortion
+        };
+        let distortion = Distortion::new(self.model, given).with_context(|| {
+            let found = given.len();
+            format!(
+                "--distortion has {found} numbers, {} has {needed}",
+                self.model
+            )
+        })?;
+        Ok(Camera {
             width: self.width,
             height: self.height,
             intrinsics: Intrinsics {
@@ -101,8 +123,8 @@ impl Arguments {
                 cx: self.cx.unwrap_or(0.5 * f64::from(self.width - 1)),
                 cy: self.cy.unwrap_or(0.5 * f64::from(self.height - 1)),
             },
-            distortion: self.distortion.unwrap_or_default(),
-        }
+            distortion,
+        })
     }
 
     /// The blur asked for.
@@ -181,13 +203,5 @@ fn psf(text: &str) -> Result<Psf, String> {
         "gaussian" => Ok(Psf::Gaussian),
         "disc" => Ok(Psf::Disc),
         _ => Err("must be gaussian or disc".to_string()),
-    }
-}
-
-fn distortion(text: &str) -> Result<PlumbBob, String> {
-    let numbers: Vec<f64> = text.split(',').map(finite).collect::<Result<_, _>>()?;
-    match numbers[..] {
-        [k1, k2, p1, p2, k3] => Ok(PlumbBob { k1, k2, p1, p2, k3 }),
-        _ => Err(format!("must be 5 numbers, not {}", numbers.len())),
     }
 }

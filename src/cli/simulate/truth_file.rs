@@ -3,6 +3,7 @@
 use crate::camera::Camera;
 use crate::simulate::{Defocus, Psf, Scene, Truth};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The whole file.
 #[derive(Debug, Serialize)]
@@ -17,20 +18,7 @@ struct CameraTruth {
     model: &'static str,
     width: u32,
     height: u32,
-    parameters: Parameters,
-}
-
-#[derive(Debug, Serialize)]
-struct Parameters {
-    fx: f64,
-    fy: f64,
-    cx: f64,
-    cy: f64,
-    k1: f64,
-    k2: f64,
-    p1: f64,
-    p2: f64,
-    k3: f64,
+    parameters: BTreeMap<&'static str, f64>,
 }
 
 /// One frame.
@@ -72,23 +60,13 @@ struct Ring {
 impl TruthFile {
     /// A file about frames of this camera, without frames yet.
     pub fn new(camera: &Camera) -> Self {
-        let (k, d) = (&camera.intrinsics, &camera.distortion);
+        let names = camera.parameter_names().iter().copied();
         Self {
             camera: CameraTruth {
-                model: "plumb_bob",
+                model: camera.model().name(),
                 width: camera.width,
                 height: camera.height,
-                parameters: Parameters {
-                    fx: k.fx,
-                    fy: k.fy,
-                    cx: k.cx,
-                    cy: k.cy,
-                    k1: d.k1,
-                    k2: d.k2,
-                    p1: d.p1,
-                    p2: d.p2,
-                    k3: d.k3,
-                },
+                parameters: names.zip(camera.parameters()).collect(),
             },
             views: Vec::new(),
         }

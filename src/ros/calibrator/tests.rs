@@ -1,7 +1,7 @@
 use super::*;
 use crate::board::Polarity;
 use crate::camera::Pose;
-use crate::camera::{Intrinsics, PlumbBob};
+use crate::camera::{Distortion, Intrinsics, PlumbBob};
 use crate::centre::{Centre, Ellipse, RingEllipses};
 use crate::detect::Ring;
 use crate::ros::parameters::ParameterValues;
@@ -17,13 +17,13 @@ const CAMERA: Camera = Camera {
         cx: 322.0,
         cy: 238.0,
     },
-    distortion: PlumbBob {
+    distortion: Distortion::PlumbBob(PlumbBob {
         k1: -0.1,
         k2: 0.01,
         p1: 0.0,
         p2: 0.0,
         k3: 0.0,
-    },
+    }),
 };
 
 fn board() -> Board {

@@ -79,6 +79,18 @@ pub struct CalibrationStatus {
     pub rms: f64,
     /// What the last ~/calibrate answered.
     pub last_result: String,
+    /// Range of the views across the frame, 0 to 1.
+    pub progress_x: f64,
+    /// Range of the views down the frame, 0 to 1.
+    pub progress_y: f64,
+    /// Size of the board in the views, 0 to 1.
+    pub progress_size: f64,
+    /// Skew of the board in the views, 0 to 1.
+    pub progress_skew: f64,
+    /// Standard deviation of fx from the views kept, px; NaN while they do not tell it.
+    pub predicted_fx_std: f64,
+    /// Worst projection uncertainty of the frame at infinity from the views kept, px; NaN while they do not tell it.
+    pub projection_std: f64,
 }
 
 impl Message for RingCentre {}

@@ -2,7 +2,7 @@
 
 use crate::board::{Board, Polarity};
 use crate::calibrate::CalibrateOptions;
-use crate::camera::{Camera, Intrinsics, PlumbBob};
+use crate::camera::{Camera, Distortion, Intrinsics, PlumbBob};
 use crate::centre::Estimator;
 use crate::detect::{DetectOptions, Detection, Detector};
 use crate::refine::{calibrate_refined, refine};
@@ -18,13 +18,13 @@ pub(super) const CAMERA: Camera = Camera {
         cx: 645.0,
         cy: 472.0,
     },
-    distortion: PlumbBob {
+    distortion: Distortion::PlumbBob(PlumbBob {
         k1: -0.2,
         k2: 0.08,
         p1: 0.001,
         p2: -0.0005,
         k3: 0.0,
-    },
+    }),
 };
 
 fn board() -> Board {

@@ -54,7 +54,7 @@ pub(super) fn scene(outer_px: f64, size: u32, blur: &Blur) -> Scene {
         width: size,
         height: size,
         intrinsics,
-        distortion: PlumbBob::default(),
+        distortion: PlumbBob::default().into(),
     };
     let depth_m = 80.0 / outer_px;
     let pose = Pose {

@@ -1,12 +1,21 @@
 //! The calibration against cameras that are known.
 
+mod lenses;
+mod outliers;
+mod sheet;
+mod uncertainty;
+
 use super::synthetic::{board, long, ordinary, pose_at, poses, views, wide, with_covariance};
 use super::*;
-use crate::camera::PlumbBob;
-use nalgebra::{Matrix2, Vector3};
+use crate::camera::{Camera, Distortion, LensModel, PlumbBob};
+use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector3};
 use rand::{RngExt, SeedableRng};
 
-const P: usize = Camera::PARAMETER_COUNT;
+const P: usize = 9;
+
+fn names() -> &'static [&'static str] {
+    LensModel::PlumbBob.parameter_names()
+}
 
 fn solved(board: &Board, views: &[View]) -> Calibration {
     calibrate(board, views, &CalibrateOptions::default()).unwrap()
@@ -21,13 +30,14 @@ fn perfect_points_give_the_camera_back() {
         for at in 0..P {
             let scale = if at < 4 { truth[at] } else { 1.0 };
             let error = (found[at] - truth[at]).abs() / scale;
-            assert!(error < 1e-6, "{}: {error:e}", Camera::PARAMETER_NAMES[at]);
+            assert!(error < 1e-6, "{}: {error:e}", names()[at]);
         }
         assert!(result.rms_px < 1e-8, "{}", result.rms_px);
         for (fit, pose) in result.views.iter().zip(&poses) {
-            let turn = fit.pose.rotation.matrix() - pose.rotation.matrix();
+            let found = fit.pose.unwrap();
+            let turn = found.rotation.matrix() - pose.rotation.matrix();
             assert!(turn.norm() < 1e-7, "{}", turn.norm());
-            assert!((fit.pose.translation_m - pose.translation_m).norm() < 1e-6);
+            assert!((found.translation_m - pose.translation_m).norm() < 1e-6);
         }
     }
 }
@@ -44,12 +54,11 @@ fn the_reported_covariance_is_that_of_the_errors() {
             let mut views = views(&camera, &board(), &poses, sigma, seed);
             with_covariance(&mut views, Matrix2::identity() * sigma * sigma);
             let result = solved(&board(), &views);
-            let found = nalgebra::SVector::<f64, P>::from(result.camera.parameters());
-            let error = found - nalgebra::SVector::<f64, P>::from(camera.parameters());
-            let unit =
-                DMatrix::from_diagonal(&nalgebra::DVector::from_fn(P, |i, _| 1.0 / result.std(i)));
+            let found = DVector::from_vec(result.camera.parameters());
+            let error = found - DVector::from_vec(camera.parameters());
+            let unit = DMatrix::from_diagonal(&DVector::from_fn(P, |i, _| 1.0 / result.std(i)));
             let scaled = (&unit * &result.covariance * &unit).cholesky().unwrap();
-            let error = &unit * nalgebra::DVector::from_column_slice(error.as_slice());
+            let error = &unit * error;
             chi2 += error.dot(&scaled.solve(&error)) / runs as f64;
             factor += result.variance_factor / runs as f64;
             for at in 0..P {
@@ -59,7 +68,7 @@ fn the_reported_covariance_is_that_of_the_errors() {
         // the mean of 120 values of chi-square 9 has a standard deviation of 0.39, and 0.13 for one degree
         assert!((chi2 - 9.0).abs() < 1.6, "chi-square {chi2}");
         assert!((factor - 1.0).abs() < 0.02, "variance factor {factor}");
-        for (name, ratio) in Camera::PARAMETER_NAMES.iter().zip(standardised) {
+        for (name, ratio) in names().iter().zip(standardised) {
             assert!((0.5..1.6).contains(&ratio), "{name}: {ratio}");
         }
     }
@@ -74,14 +83,15 @@ fn rings_without_covariance_tell_their_noise_themselves() {
     with_covariance(&mut weighted, Matrix2::identity() * 0.01);
     let (a, b) = (solved(&board(), &plain), solved(&board(), &weighted));
     for at in 0..P {
-        assert!((a.std(at) / b.std(at) - 1.0).abs() < 1e-6);
+        // what the fit of a bent ring measures is predicted of rings with a covariance alone: a few thousandths of a pixel
+        assert!((a.std(at) / b.std(at) - 1.0).abs() < 1e-3);
     }
     assert!(
         (a.rms_px - 0.1 * 2.0_f64.sqrt()).abs() < 0.01,
         "{}",
         a.rms_px
     );
-    assert!((a.variance_factor - 0.01 * b.variance_factor).abs() < 1e-8);
+    assert!((a.variance_factor / (0.01 * b.variance_factor) - 1.0).abs() < 1e-3);
 }
 
 #[test]
@@ -123,19 +133,22 @@ fn fixed_parameters_stay_and_have_no_deviation() {
     let views = views(&camera, &board(), &poses(&camera, &board()), 0.05, 2);
     let options = CalibrateOptions {
         fixed: Fixed::from_entries(["k3", "p1", "p2", "cx", "fy=1201"]).unwrap(),
+        ..CalibrateOptions::default()
     };
     let result = calibrate(&board(), &views, &options).unwrap();
-    let (k, d) = (result.camera.intrinsics, result.camera.distortion);
-    assert_eq!(
-        (d.k3, d.p1, d.p2, k.cx, k.fy),
-        (0.0, 0.0, 0.0, 639.5, 1201.0)
-    );
+    let values = result.camera.parameters();
+    let held = [8, 6, 7, 2, 1].map(|at| values[at]);
+    assert_eq!(held, [0.0, 0.0, 0.0, 639.5, 1201.0]);
     assert_eq!(result.fixed, ["fy", "cx", "p1", "p2", "k3"]);
-    for (at, name) in Camera::PARAMETER_NAMES.iter().enumerate() {
+    for (at, name) in names().iter().enumerate() {
         assert_eq!(result.std(at) == 0.0, result.fixed.contains(name), "{name}");
     }
-    let all = Fixed::from_entries(Camera::PARAMETER_NAMES).unwrap();
-    let poses_alone = calibrate(&board(), &views, &CalibrateOptions { fixed: all }).unwrap();
+    let all = Fixed::from_entries(names()).unwrap();
+    let options = CalibrateOptions {
+        fixed: all,
+        ..CalibrateOptions::default()
+    };
+    let poses_alone = calibrate(&board(), &views, &options).unwrap();
     assert_eq!(poses_alone.camera.distortion, Default::default());
 }
 
@@ -150,8 +163,8 @@ fn a_larger_board_stands_further_away_and_changes_nothing_else() {
         assert!(difference.abs() < 1e-4 * a.std(at));
     }
     for (one, other) in a.views.iter().zip(&b.views) {
-        let scaled = one.pose.translation_m * 10.0;
-        assert!((scaled - other.pose.translation_m).norm() < 1e-4 * scaled.norm());
+        let scaled = one.pose.unwrap().translation_m * 10.0;
+        assert!((scaled - other.pose.unwrap().translation_m).norm() < 1e-4 * scaled.norm());
     }
 }
 
@@ -239,17 +252,6 @@ fn three_views_are_enough_where_they_are_tilted() {
 }
 
 #[test]
-fn a_view_of_another_board_is_pointed_out() {
-    let camera = ordinary();
-    let mut views = views(&camera, &board(), &poses(&camera, &board()), 0.05, 1);
-    assert_eq!(solved(&board(), &views).suspicious_views(), [0_usize; 0]);
-    for ring in &mut views[4].rings {
-        ring.centre.point.x += 2.0 * (f64::from(ring.row) * 2.0).sin();
-    }
-    assert_eq!(solved(&board(), &views).suspicious_views(), [4]);
-}
-
-#[test]
 fn refusals_say_what_is_wrong() {
     let camera = ordinary();
     let good = views(&camera, &board(), &poses(&camera, &board()), 0.0, 0);
@@ -274,10 +276,6 @@ fn refusals_say_what_is_wrong() {
         "1 view, at least 3 are needed"
     );
     assert_eq!(
-        broken(&|v| v.rings.truncate(3)),
-        "view 2 shows 3 rings, at least 4 are needed"
-    );
-    assert_eq!(
         broken(&|v| v.rings[8].centre.point.x = f64::NAN),
         "view 2 has no valid position for ring (1, 1)"
     );
@@ -294,7 +292,6 @@ fn refusals_say_what_is_wrong() {
         "view 2 has ring (7, 0), which is outside a board of 7 x 7"
     );
     assert!(broken(&|v| v.rings[0].column = 1).contains("(0, 1), which is twice in"));
-    assert!(broken(&|v| v.rings.truncate(7)).contains("in one line"));
     let small = Board::new(2, 2, 0.0269, 0.003, 0.006, board().polarity()).unwrap();
     let few = views(&camera, &small, &poses(&camera, &small)[..3], 0.0, 0);
     assert!(refused(&small, &few).starts_with("24 coordinates measured for 27 unknowns"));
@@ -326,10 +323,10 @@ fn the_closed_form_is_exact_for_an_ideal_lens() {
     camera.distortion = Default::default();
     let views = views(&camera, &board(), &poses(&camera, &board()), 0.0, 0);
     let size = (1280.0, 960.0);
-    let homographies: Vec<_> = observations(&board(), &views)
+    let homographies: Vec<_> = observations::observations(&board(), &views)
         .unwrap()
         .iter()
-        .map(|rings| guess::plane_to_frame(rings).unwrap())
+        .map(|rings| start_homography::of_marked(rings).unwrap())
         .collect();
     let found = zhang::intrinsics(&homographies, size).unwrap();
     assert!((found.fx - camera.intrinsics.fx).abs() < 1e-5);
@@ -348,17 +345,19 @@ fn the_closed_form_is_exact_for_an_ideal_lens() {
 fn cameras_of_all_sorts_are_found() {
     let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(9);
     let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+    let mut open = 0;
     for case in 0..100_u32 {
         let mut camera = ordinary();
         let focal = 1280.0 * between(0.45_f64.ln(), 12.0_f64.ln()).exp();
         (camera.intrinsics.fx, camera.intrinsics.fy) = (focal, focal * between(0.97, 1.03));
         camera.intrinsics.cx = between(600.0, 680.0);
         camera.intrinsics.cy = between(440.0, 520.0);
-        camera.distortion = PlumbBob {
-            k1: between(-0.35, 0.15),
+        let k1 = between(-0.35, 0.15);
+        camera.distortion = Distortion::from(PlumbBob {
+            k1,
+            k2: k1.min(0.0).powi(2),
             ..PlumbBob::default()
-        };
-        camera.distortion.k2 = camera.distortion.k1.min(0.0).powi(2);
+        });
         let poses: Vec<_> = (0..3 + case % 12)
             .map(|_| {
                 let (tilt, angle) = (between(0.25, 0.75), between(0.0, std::f64::consts::TAU));
@@ -367,10 +366,16 @@ fn cameras_of_all_sorts_are_found() {
                 pose_at(&camera, &board(), pixel, between(0.35, 0.6), turn)
             })
             .collect();
-        let result = solved(
-            &board(),
-            &views(&camera, &board(), &poses, 0.05, case.into()),
-        );
+        let seen = views(&camera, &board(), &poses, 0.05, case.into());
+        let result = match calibrate(&board(), &seen, &CalibrateOptions::default()) {
+            Ok(result) => result,
+            // the board was in the middle of the frame, and few views do not tell what the lens does at its corners
+            Err(CalibrateError::LensOpen { .. }) => {
+                open += 1;
+                continue;
+            }
+            Err(error) => panic!("case {case}, focal length {focal}: {error}"),
+        };
         let error = (result.camera.intrinsics.fx - focal) / result.std(0);
         assert!(
             error.abs() < 5.0,
@@ -378,4 +383,5 @@ fn cameras_of_all_sorts_are_found() {
         );
         assert!(result.rms_px < 0.1, "case {case}: {}", result.rms_px);
     }
+    assert!(open < 50, "{open}");
 }

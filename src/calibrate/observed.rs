@@ -1,0 +1,93 @@
+//! What an estimator measures where it is not the projected centre.
+//!
+//! The constructions of the paper take a ring's image for two ellipses. Perspective displaces an ellipse's centre from the projected
+//! one, and the lens bends the curves, which displaces the others too. Camera and pose say by how much: both
+//! circles are sent through the camera, ellipses laid through them, the construction repeated. The photometric estimator
+//! has the perspective in its model; the curves of its model are laid through the bent ones ([`bent`]).
+
+use super::observations::Observation;
+use super::shared::Shared;
+use crate::board::Board;
+use crate::camera::Pose;
+use crate::centre::photometric::bent;
+use crate::centre::{CentreEstimator, Estimator, RingEllipses};
+use crate::detect::ellipse_through;
+use nalgebra::{Point2, Vector2};
+use rayon::prelude::*;
+
+/// Points of a circle that are sent through the camera.
+const POINTS: usize = 24;
+
+/// A ring of the board before the camera.
+struct RingBefore<'a> {
+    board: &'a Board,
+    shared: &'a Shared,
+    pose: &'a Pose,
+    centre_m: [f64; 2],
+}
+
+/// Predicts `bias_px` of every ring that is measured by this estimator; among rings with a covariance one without was measured on its
+/// edges.
+pub(super) fn predict(
+    board: &Board,
+    shared: &Shared,
+    poses: &[Option<Pose>],
+    rings: &mut [Vec<Observation>],
+    estimator: Estimator,
+) {
+    let construction = estimator.construction();
+    let fallback = Estimator::FALLBACK.construction();
+    let with_covariance = rings.iter().flatten().any(|ring| ring.has_covariance);
+    rings.par_iter_mut().zip(poses).for_each(|(rings, pose)| {
+        let Some(pose) = pose else { return };
+        for ring in rings {
+            let before = RingBefore {
+                board,
+                shared,
+                pose,
+                centre_m: ring.board_m,
+            };
+            let edges = construction
+                .as_ref()
+                .or(fallback.as_ref().filter(|_| !ring.has_covariance));
+            ring.bias_px = match edges {
+                // made by hand, of points: they are what they are
+                Some(_) if construction.is_none() && !with_covariance => None,
+                Some(edges) => before.bias_on_edges_px(edges.as_ref()),
+                None => bent(|d| before.image(d), board.radius_ratio()),
+            }
+            .unwrap_or_default();
+        }
+    });
+}
+
+impl RingBefore<'_> {
+    /// Where a place about the ring's centre, in outer radii, is seen, px.
+    fn image(&self, d: Vector2<f64>) -> Option<Point2<f64>> {
+        let radius_m = self.board.outer_radius_m();
+        let place_m = [
+            self.centre_m[0] + d.x * radius_m,
+            self.centre_m[1] + d.y * radius_m,
+        ];
+        let place = self.shared.sheet.place_m(place_m, self.shared.middle_m);
+        let point = self.pose.rotation * place + self.pose.translation_m;
+        self.shared.camera.project(&point)
+    }
+
+    /// What a construction on the two ellipses gives less the projected centre, px; `None` where the ring has no image.
+    fn bias_on_edges_px(&self, construction: &dyn CentreEstimator) -> Option<Vector2<f64>> {
+        let ellipse = |radius: f64| {
+            let points = (0..POINTS).map(|i| {
+                let (sin, cos) = (std::f64::consts::TAU * i as f64 / POINTS as f64).sin_cos();
+                self.image(Vector2::new(cos, sin) * radius)
+            });
+            let points: Vec<Point2<f64>> = points.collect::<Option<_>>()?;
+            ellipse_through(&points)
+        };
+        let ellipses = RingEllipses {
+            inner: ellipse(self.board.radius_ratio())?,
+            outer: ellipse(1.0)?,
+        };
+        Some(construction.estimate(&ellipses).ok()?.point - self.image(Vector2::zeros())?)
+    }
+}

@@ -1,0 +1,327 @@
+//! From checked observations to a solution that everything which takes part agrees with.
+
+use super::adjust::{Adjusted, Goal, adjust};
+use super::calibration::{self, Calibration, ViewFit};
+use super::observations::Observation;
+use super::roll::{Roll, residual_px};
+use super::shared::{Free, Shared, SheetShape};
+use super::uncertainty::Covariance;
+use super::{CalibrateError, CalibrateOptions, NEEDED_VIEWS, guess, observability, observed};
+use crate::board::Board;
+use crate::camera::{Camera, Pose};
+use crate::session::View;
+use nalgebra::Point2;
+
+/// What is estimated first: enough to bend any guess towards the truth, and never ill-determined among itself ...
+const FIRST: [&str; 3] = ["fx", "fy", "k1"];
+/// ... and then, where the lens has more coefficients than every set of views tells apart.
+const SECOND: [&str; 8] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"];
+
+/// Standard deviations that the last number below the line of the rational model is expected to have, the freest first.
+const BELOW: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
+
+/// Times that outliers are looked for; each costs an adjustment only where something changed.
+const ROUNDS: usize = 12;
+/// Times that the predicted displacement of an estimator is renewed; it moves by a thousandth of itself from one to the next.
+const PREDICTIONS: usize = 3;
+
+/// An adjusted solution and what was free in it.
+pub(super) struct Solved {
+    pub adjusted: Adjusted,
+    pub free: Free,
+    fixed: Vec<&'static str>,
+}
+
+/// Refuses too few views.
+pub(super) fn enough(roll: &Roll) -> Result<(), CalibrateError> {
+    let (left, given) = (roll.active().len(), roll.rings.len());
+    if left >= NEEDED_VIEWS {
+        return Ok(());
+    }
+    if left == given {
+        return Err(CalibrateError::TooFewViews { found: left });
+    }
+    let reason = roll.left_out.iter().flatten().next();
+    Err(CalibrateError::TooFewLeft {
+        left,
+        given,
+        reason: reason.map_or_else(String::new, ToString::to_string),
+    })
+}
+
+/// Adjusts, leaves out what contradicts, and adjusts again until nothing changes.
+pub(super) fn solve(
+    board: &Board,
+    views: &[View],
+    roll: &mut Roll,
+    options: &CalibrateOptions,
+) -> Result<Solved, CalibrateError> {
+    let pixels = |size: usize| u32::try_from(size).unwrap_or(u32::MAX);
+    let size = (pixels(views[0].width), pixels(views[0].height));
+    // asked first, so that a wrong name is said before anything is computed
+    let fixed = options.fixed.in_model(options.model)?;
+    if options.sheet.pitch_ratio && board.rows() == board.columns() && board.marks().is_empty() {
+        return Err(CalibrateError::QuarterTurns);
+    }
+    let (camera, poses) = guess::guess(roll, size, options)?;
+    for at in roll.active() {
+        if poses[at].is_none() {
+            roll.left_out[at] = Some(super::LeftOut::NoPose);
+        }
+    }
+    roll.poses = poses;
+    enough(roll)?;
+    let mut free = Free::of(options, &camera, board)?;
+    degrees_of_freedom(roll, &free)?;
+    let mut shared = Shared {
+        camera,
+        sheet: SheetShape::default(),
+        middle_m: board.middle_m(),
+    };
+    let unit = coarse(&mut shared, roll, &free)?;
+    let mut adjusted = charged(board, &mut shared, roll, (&mut free, options), unit)?;
+    for _ in 0..ROUNDS {
+        if !roll.judge(&shared) {
+            break;
+        }
+        enough(roll)?;
+        degrees_of_freedom(roll, &free)?;
+        adjusted = exact(board, &mut shared, roll, (&free, options))?;
+    }
+    Ok(Solved {
+        adjusted,
+        free,
+        fixed,
+    })
+}
+
+/// The first stages, from any guess into the valley of the solution; answers with the mean squared residual.
+fn coarse(shared: &mut Shared, roll: &mut Roll, free: &Free) -> Result<f64, CalibrateError> {
+    let first = free.only(&FIRST, &shared.camera);
+    let second = free.only(&SECOND, &shared.camera);
+    let many = shared.camera.parameter_names().len() > SECOND.len() + 2;
+    let stages = [Some(first), many.then_some(second)];
+    let mut unit = 0.0;
+    for stage in stages.into_iter().flatten() {
+        let rings = roll.active_rings();
+        let adjusted = adjust(roll.solution(*shared), &rings, &stage, Goal::Coarse)
+            .ok_or(CalibrateError::NotConverged { iterations: 0 })?;
+        *shared = adjusted.solution.shared;
+        roll.stand(&adjusted.solution.poses);
+        let counted = rings.iter().flatten().filter(|ring| ring.share > 0.0);
+        unit = adjusted.equations.cost() / (2 * counted.count()).max(1) as f64;
+    }
+    Ok(unit)
+}
+
+/// Adjusts everything; of a rational lens with the smallest charge on the numbers below the line that leaves the lens one-to-one.
+fn charged(
+    board: &Board,
+    shared: &mut Shared,
+    roll: &mut Roll,
+    (free, options): (&mut Free, &CalibrateOptions),
+    mut unit: f64,
+) -> Result<Adjusted, CalibrateError> {
+    let start = (*shared, roll.poses.clone());
+    let mut last = None;
+    for expected in BELOW {
+        (*shared, roll.poses) = start.clone();
+        free.charge(&shared.camera, roll.variance(unit) / (expected * expected));
+        let adjusted = exact(board, shared, roll, (free, options))?;
+        unit = adjusted.equations.squares() / degrees_of_freedom(roll, free)?;
+        let sound = folded(&shared.camera, &roll.active_rings()).is_none()
+            && adjusted.equations.inverse().is_ok();
+        last = Some(adjusted);
+        if sound || !free.is_charged() {
+            break;
+        }
+    }
+    last.ok_or(CalibrateError::NotConverged { iterations: 0 })
+}
+
+/// Adjusts everything that is free to rounding, with what the estimators measure predicted from the solution itself.
+fn exact(
+    board: &Board,
+    shared: &mut Shared,
+    roll: &mut Roll,
+    (free, options): (&Free, &CalibrateOptions),
+) -> Result<Adjusted, CalibrateError> {
+    let mut last = None;
+    for _ in 0..PREDICTIONS {
+        observed::predict(
+            board,
+            shared,
+            &roll.poses,
+            &mut roll.rings,
+            options.estimator,
+        );
+        let rings = roll.active_rings();
+        let adjusted = adjust(roll.solution(*shared), &rings, free, Goal::Exact)
+            .ok_or(CalibrateError::NotConverged { iterations: 0 })?;
+        *shared = adjusted.solution.shared;
+        roll.stand(&adjusted.solution.poses);
+        let settled = adjusted.iterations <= 1;
+        last = Some(adjusted);
+        if settled {
+            break;
+        }
+    }
+    last.ok_or(CalibrateError::NotConverged { iterations: 0 })
+}
+
+/// Numbers measured less numbers estimated.
+fn degrees_of_freedom(roll: &Roll, free: &Free) -> Result<f64, CalibrateError> {
+    let active = roll.active();
+    let counted = |at: &usize| roll.rings[*at].iter().filter(|r| r.share > 0.0).count();
+    let measured = 2 * active.iter().map(counted).sum::<usize>();
+    let unknown = free.len() + 6 * active.len();
+    if measured <= unknown {
+        return Err(CalibrateError::TooFewMeasurements { measured, unknown });
+    }
+    Ok((measured - unknown) as f64)
+}
+
+/// The calibration of a solution; refuses where the views leave it open or where it cannot be.
+pub(super) fn conclude(
+    solved: Solved,
+    roll: Roll,
+    options: &CalibrateOptions,
+) -> Result<Calibration, CalibrateError> {
+    let Solved {
+        adjusted,
+        free,
+        fixed,
+    } = solved;
+    let shared = adjusted.solution.shared;
+    let camera = shared.camera;
+    if !options.fixed.holds_focal() {
+        observability::not_parallel(&adjusted.solution.poses)?;
+    }
+    let inverse = adjusted.equations.inverse().map_err(|at| {
+        let name = free.name(at, &camera);
+        let missing = observability::missing(name, &adjusted.solution.poses);
+        CalibrateError::Undetermined { name, missing }
+    })?;
+    let variance_factor = adjusted.equations.squares() / degrees_of_freedom(&roll, &free)?;
+    let (names, count) = estimated_names(&camera, &free);
+    let all = free.spread(&(&inverse.shared * variance_factor), count);
+    // the names between the camera and the last estimated number of the sheet may not all be estimated
+    let chosen: Vec<usize> = names.iter().map(|(at, _)| *at).collect();
+    let views: Vec<ViewFit> = (0..roll.rings.len())
+        .map(|at| view_fit(&shared, &roll, at))
+        .collect();
+    let active = roll.active();
+    let place = |at: usize| active.binary_search(&at).ok();
+    let calibration = Calibration {
+        camera,
+        sheet: shared.sheet,
+        rms_px: calibration::rms(views.iter().filter(|v| v.used()).flat_map(counted)),
+        variance_factor,
+        names: names.iter().map(|(_, name)| *name).collect(),
+        covariance: all.select_rows(&chosen).select_columns(&chosen),
+        fixed,
+        iterations: adjusted.iterations,
+        uncertain: Covariance {
+            inverse,
+            camera: camera_places(&camera, &free),
+            place: (0..views.len()).map(place).collect(),
+        },
+        views,
+    };
+    let rings = roll.active_rings();
+    observability::determined(&calibration, &rings)?;
+    // asked last: what the views leave open does not converge either, and that is the better thing to say
+    if !adjusted.converged {
+        return Err(CalibrateError::NotConverged {
+            iterations: adjusted.iterations,
+        });
+    }
+    plausible(&camera, &rings)?;
+    Ok(calibration)
+}
+
+/// The camera's parameters and what is estimated of the sheet, with their places, and how many numbers reach that far.
+fn estimated_names(camera: &Camera, free: &Free) -> (Vec<(usize, &'static str)>, usize) {
+    let parameters = camera.parameter_names().len();
+    let sheet = |at: usize| {
+        let mut columns = free.columns.iter();
+        columns.any(|c| c.at == at || c.tied.is_some_and(|tied| tied.0 == at))
+    };
+    let names = Shared::names(camera);
+    let chosen: Vec<(usize, &'static str)> = (0..names.len())
+        .filter(|at| *at < parameters || sheet(*at))
+        .map(|at| (at, names[at]))
+        .collect();
+    (chosen, names.len())
+}
+
+fn camera_places(camera: &Camera, free: &Free) -> Vec<(usize, usize, f64)> {
+    let parameters = camera.parameter_names().len();
+    let mut places = Vec::new();
+    for (place, column) in free.columns.iter().enumerate() {
+        if column.at < parameters {
+            places.push((place, column.at, 1.0));
+        }
+        if let Some((other, factor)) = column.tied.filter(|tied| tied.0 < parameters) {
+            places.push((place, other, factor));
+        }
+    }
+    places
+}
+
+fn view_fit(shared: &Shared, roll: &Roll, at: usize) -> ViewFit {
+    let pose: Option<Pose> = roll.poses[at];
+    let rings = roll.rings[at].iter();
+    let mut fit = ViewFit {
+        pose,
+        residuals: rings
+            .clone()
+            .map(|ring| residual_px(shared, &pose?, ring))
+            .collect(),
+        rings_used: rings.map(|ring| ring.share > 0.0).collect(),
+        rms_px: 0.0,
+        left_out: roll.left_out[at].clone(),
+    };
+    fit.rms_px = calibration::rms(counted(&fit));
+    fit
+}
+
+/// The residuals of the rings that took part.
+fn counted(view: &ViewFit) -> impl Iterator<Item = nalgebra::Vector2<f64>> {
+    let rings = view.residuals.iter().zip(&view.rings_used);
+    rings.filter_map(|(residual, used)| residual.filter(|_| *used))
+}
+
+/// Refuses cameras that least squares may well find but nobody can build.
+fn plausible(camera: &Camera, rings: &[Vec<Observation>]) -> Result<(), CalibrateError> {
+    let absurd = |what: String| Err(CalibrateError::Absurd { what });
+    let k = &camera.intrinsics;
+    for (name, value) in [("fx", k.fx), ("fy", k.fy)] {
+        if !(value.is_finite() && value > 0.0) {
+            return absurd(format!("{name} is {value:.1} px"));
+        }
+    }
+    let (width, height) = (f64::from(camera.width), f64::from(camera.height));
+    let near = (-width..2.0 * width).contains(&k.cx) && (-height..2.0 * height).contains(&k.cy);
+    if !near {
+        return absurd(format!(
+            "its principal point ({:.0}, {:.0}) lies far outside the frame",
+            k.cx, k.cy
+        ));
+    }
+    match folded(camera, rings) {
+        Some(pixel) => absurd(format!(
+            "its distortion folds over at ({:.0}, {:.0})",
+            pixel.x, pixel.y
+        )),
+        None => Ok(()),
+    }
+}
+
+/// A ring that took part and that the camera has no ray for, px.
+fn folded(camera: &Camera, rings: &[Vec<Observation>]) -> Option<Point2<f64>> {
+    let counted = rings.iter().flatten().filter(|ring| ring.share > 0.0);
+    counted
+        .map(|ring| ring.pixel)
+        .find(|pixel| camera.ray(pixel).is_none())
+}

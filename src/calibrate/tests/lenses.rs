@@ -1,0 +1,93 @@
+//! Lens models beside plumb_bob.
+
+use super::*;
+use crate::camera::{Equidistant, Pose, RationalPolynomial};
+use nalgebra::Point3;
+
+fn options(model: LensModel) -> CalibrateOptions {
+    CalibrateOptions {
+        model,
+        ..CalibrateOptions::default()
+    }
+}
+
+/// A camera with another lens, and views of it.
+fn with_lens(lens: impl Into<Distortion>, focal: f64, sigma_px: f64) -> (Camera, Vec<View>) {
+    let mut camera = ordinary();
+    camera.distortion = lens.into();
+    (camera.intrinsics.fx, camera.intrinsics.fy) = (focal, focal * 1.004);
+    let (w, h) = (f64::from(camera.width), f64::from(camera.height));
+    let poses: Vec<_> = (0..25)
+        .map(|i| {
+            let (x, y) = (f64::from(i % 5), f64::from(i / 5));
+            let pixel = [w * (0.12 + 0.19 * x), h * (0.14 + 0.18 * y)];
+            let ray = camera.ray(&Point2::from(pixel)).unwrap();
+            // facing the camera, then tilted
+            let facing = nalgebra::Rotation3::rotation_between(&Vector3::z(), &ray).unwrap();
+            let a = f64::from(i) * 2.4;
+            let tilt = nalgebra::Rotation3::new(Vector3::new(0.5 * a.cos(), 0.5 * a.sin(), 0.1));
+            let rotation = facing * tilt;
+            let [mx, my] = board().middle_m();
+            Pose {
+                rotation,
+                translation_m: ray * (focal / 1700.0) - rotation * Vector3::new(mx, my, 0.0),
+            }
+        })
+        .filter(|pose| {
+            board().indices().all(|(row, column)| {
+                let point = pose.board_to_camera(board().centre_m(row, column));
+                camera
+                    .project(&point)
+                    .is_some_and(|p| (0.0..w).contains(&p.x) && (0.0..h).contains(&p.y))
+            })
+        })
+        .collect();
+    assert!(poses.len() > 8, "{}", poses.len());
+    let views = views(&camera, &board(), &poses, sigma_px, 3);
+    (camera, views)
+}
+
+#[test]
+fn a_fisheye_of_180_degrees_is_found_from_nothing_but_its_views() {
+    let lens = Equidistant {
+        k: [-0.012, 0.004, -0.002, 0.0003],
+    };
+    let (camera, views) = with_lens(lens, 410.0, 0.03);
+    let found = calibrate(&board(), &views, &options(LensModel::Equidistant)).unwrap();
+    assert_eq!(found.views_used(), views.len());
+    for degrees in [0.0_f64, 40.0, 70.0, 85.0] {
+        for around in [0.2_f64, 2.0, 4.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let point = Point3::new(sin * around.cos(), sin * around.sin(), cos);
+            let (a, b) = (camera.project(&point), found.camera.project(&point));
+            let off = (a.unwrap() - b.unwrap()).norm();
+            assert!(off < 0.2, "{degrees} degrees: {off} px");
+        }
+    }
+}
+
+#[test]
+fn a_rational_lens_is_found_and_chosen_where_plumb_bob_does_not_do() {
+    let rational = RationalPolynomial {
+        k1: 0.6,
+        k2: 0.05,
+        k4: 0.95,
+        k5: 0.2,
+        ..RationalPolynomial::default()
+    };
+    let (camera, views) = with_lens(rational, 520.0, 0.02);
+    let found = calibrate(&board(), &views, &options(LensModel::RationalPolynomial)).unwrap();
+    let chi2 = found.rms_px / (0.02 * 2.0_f64.sqrt());
+    assert!((0.9..1.05).contains(&chi2), "{chi2}");
+    let pixel = Point2::new(100.0, 120.0);
+    let (a, b) = (
+        camera.ray(&pixel).unwrap(),
+        found.camera.ray(&pixel).unwrap(),
+    );
+    assert!(a.angle(&b) * 520.0 < 0.5, "{}", a.angle(&b) * 520.0);
+    let (chosen, scores) = choose_model(&board(), &views, &CalibrateOptions::default()).unwrap();
+    assert_ne!(chosen, LensModel::PlumbBob, "{scores:?}");
+    let (_, plain) = with_lens(PlumbBob::default(), 900.0, 0.05);
+    let (chosen, scores) = choose_model(&board(), &plain, &CalibrateOptions::default()).unwrap();
+    assert_eq!(chosen, LensModel::PlumbBob, "{scores:?}");
+}

@@ -1,0 +1,193 @@
+//! `ringcal check`: how well an existing calibration explains new views, and how far it is from another one.
+
+use super::measuring::Measuring;
+use super::output::print;
+use crate::board::Board;
+use crate::calibrate::{Check, Difference, FIELD, check, difference};
+use crate::camera::Camera;
+use crate::detect::Detector;
+use crate::formats::CheckJson;
+use crate::session::View;
+use crate::source::{self, read_board, read_camera_info};
+use anyhow::Context;
+use rayon::prelude::*;
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Arguments of `ringcal check`.
+#[derive(Debug, clap::Args)]
+pub struct Arguments {
+    /// Image files, and folders of them.
+    #[arg(required_unless_present = "compare", value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
+    /// The board file.
+    #[arg(
+        long,
+        value_name = "FILE",
+        required_unless_present = "compare",
+        requires = "inputs"
+    )]
+    board: Option<PathBuf>,
+    /// The calibration that is checked, a camera_info.yaml.
+    #[arg(long, value_name = "FILE")]
+    camera_info: PathBuf,
+    /// Another calibration of the same camera: by how many pixels the two differ over the frame, once the rotation that aligns
+    /// them best is taken off.
+    #[arg(long, value_name = "FILE")]
+    compare: Option<PathBuf>,
+    #[command(flatten)]
+    measuring: Measuring,
+    /// What to print.
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    format: Format,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    /// Tables for people.
+    Text,
+    /// One object for programs.
+    Json,
+}
+
+/// Runs the command.
+pub fn run(arguments: Arguments) -> anyhow::Result<()> {
+    let camera = read_camera_info(&arguments.camera_info)?.camera;
+    let difference = match &arguments.compare {
+        Some(path) => {
+            let other = read_camera_info(path)?.camera;
+            let found = difference(&camera, &other, FIELD);
+            Some(found.context("the two calibrations have no part of the frame in common")?)
+        }
+        None => None,
+    };
+    let checked = match &arguments.board {
+        Some(path) => {
+            let board = read_board(path)?;
+            Some(check_inputs(&arguments, board, &camera)?)
+        }
+        None => None,
+    };
+    let text = match arguments.format {
+        Format::Json => {
+            let checked = checked
+                .as_ref()
+                .map(|(views, check)| (views.as_slice(), check));
+            CheckJson::new(checked, difference.as_ref()).to_json()?
+        }
+        Format::Text => {
+            let mut text = String::new();
+            if let Some((views, check)) = &checked {
+                text += &table(views, check);
+            }
+            if let Some(difference) = &difference {
+                text += &difference_table(difference);
+            }
+            text
+        }
+    };
+    print(&text)?;
+    Ok(())
+}
+
+/// Finds the board in all inputs and holds what was found against the camera.
+fn check_inputs(
+    arguments: &Arguments,
+    board: Board,
+    camera: &Camera,
+) -> anyhow::Result<(Vec<View>, Check)> {
+    anyhow::ensure!(
+        !board.is_single(),
+        "a board of a single ring tells nothing about a camera, at least 2 x 2 rings are needed"
+    );
+    if let Some(path) = arguments.inputs.iter().find(|path| !path.exists()) {
+        anyhow::bail!("{}: no such file or folder", path.display());
+    }
+    let detector = Detector::new(board, arguments.measuring.options());
+    let mut views = Vec::new();
+    let mut inputs = 0;
+    let mut frames = source::frames(arguments.inputs.clone()).peekable();
+    while frames.peek().is_some() {
+        let batch: Vec<_> = frames.by_ref().take(rayon::current_num_threads()).collect();
+        inputs += batch.len();
+        let found: Vec<(String, Result<View, String>)> = batch
+            .into_par_iter()
+            .map(|recorded| {
+                let source = recorded.path.to_string_lossy().into_owned();
+                let view = recorded
+                    .frame
+                    .map_err(|error| error.to_string())
+                    .and_then(|frame| detector.detect(&frame).map_err(|miss| miss.to_string()))
+                    .map(|detection| View::of_file(source.as_str(), &detection));
+                (source, view)
+            })
+            .collect();
+        for (source, view) in found {
+            match view {
+                Ok(view) => views.push(view),
+                Err(reason) => eprintln!("{source}: not used: {reason}"),
+            }
+        }
+    }
+    anyhow::ensure!(
+        !views.is_empty(),
+        "the board was found in none of {inputs} inputs"
+    );
+    let checked = check(
+        detector.board(),
+        &views,
+        camera,
+        arguments.measuring.estimator,
+    )?;
+    Ok((views, checked))
+}
+
+fn table(views: &[View], check: &Check) -> String {
+    let mut text = format!("{}\n\nrms       {:.4} px\n\n", check.verdict, check.rms_px);
+    let width = views.iter().map(|v| v.source.chars().count()).max();
+    let width = width.unwrap_or(0).clamp(6, 60);
+    // writing to a String does not fail
+    let _ = writeln!(text, "{:width$} {:>6} {:>10}", "source", "rings", "rms, px");
+    for (view, resection) in views.iter().zip(&check.views) {
+        let rings = view.rings.len();
+        let _ = match &resection.fit.left_out {
+            None => writeln!(
+                text,
+                "{:width$} {rings:>6} {:>10.4}",
+                view.source, resection.fit.rms_px
+            ),
+            Some(left_out) => writeln!(text, "{:width$} {rings:>6} {left_out}", view.source),
+        };
+    }
+    text += "\nmean of measured less predicted over the frame, px (x, y)\n";
+    for row in check.field.chunks(FIELD.0) {
+        for cell in row {
+            let _ = if cell.tells() {
+                write!(text, " {:>7.3},{:>7.3}", cell.bias_px.x, cell.bias_px.y)
+            } else {
+                write!(text, "        -       ")
+            };
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn difference_table(difference: &Difference) -> String {
+    let turned = difference.rotation_rad.norm().to_degrees();
+    let mut text = format!(
+        "\ndifference of the two calibrations at infinity, px, a rotation by {turned:.4} degrees taken off: {:.3} rms, {:.3} \
+         at worst\n",
+        difference.rms_px, difference.worst_px
+    );
+    for row in difference.offsets_px.chunks(difference.cells.0) {
+        for offset in row {
+            let _ = match offset {
+                None => write!(text, "       -"),
+                Some(offset) => write!(text, " {:>7.3}", offset.norm()),
+            };
+        }
+        text.push('\n');
+    }
+    text
+}

@@ -17,7 +17,7 @@ use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
 /// Distance of nodes in pixels of the grid: so much, and so much more for each pixel of the radius; and at most. A pixel is then wrong by
 /// 1e-3 of the contrast at most and 2e-4 usually, a centre by less than 1e-4 px.
-const SPACING: (f64, f64, f64) = (0.1, 0.12, 0.4);
+const SPACING: (f64, f64, f64) = (0.06, 0.1, 0.4);
 /// Gauss-Legendre on [-1, 1]: places and weights over two. (A fourth that weighs nothing fills a vector.)
 const HEIGHTS: [(f32, f32); 4] = [
     (-0.774_596_7, 5.0 / 18.0),

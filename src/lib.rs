@@ -19,7 +19,7 @@
 //! # });
 //! let detector = Detector::new(board.clone(), DetectOptions::default());
 //! let mut session = Session::new(board.clone(), SessionRules::for_files());
-//! for (number, frame) in frames.enumerate() { // of a camera out of focus; source::frames reads them from files
+//! for (number, frame) in frames.enumerate() { // of a camera out of focus; source::Inputs reads them from files and bags
 //!     let detection = detector.detect(&frame?)?;
 //!     session.offer(View::of_file(format!("frame {number}"), &detection));
 //! }
@@ -39,7 +39,7 @@
 //! | | [`calibrate`](mod@calibrate) | `View`s | [`Calibration`](calibrate::Calibration): camera, poses, residuals, covariance |
 //! | | [`refine`](mod@refine) | `View`s, `Calibration` | the `View`s with better centres, to calibrate from again |
 //! | what it speaks of | [`board`], [`camera`] | | the print; pinhole, lens, pose, homography |
-//! | its surroundings | [`source`], [`formats`], [`report`] | | image files; files read and written; pictures and pages |
+//! | its surroundings | [`source`], [`formats`], [`report`] | | image files and bags; files read and written; pictures and pages |
 //! | the print | [`print`](mod@print) | `Board`, paper; or a camera | the sheet as SVG, PDF or PNG; or the board for that camera |
 //! | | [`ros`], [`cli`] | | the ROS 2 node; the subcommands |
 //! | the truth | [`simulate`] | camera, pose, defocus, noise | a frame and where its rings truly are |

@@ -179,6 +179,7 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
     std::fs::write(folder.join("board.yaml"), BOARD).unwrap();
     let single = "rows: 1\ncolumns: 1\ninner_radius: 0.05\nouter_radius: 0.1\n";
     std::fs::write(folder.join("single.yaml"), single).unwrap();
+    std::fs::write(folder.join("drive.mcap"), "no MCAP").unwrap();
     write_views(folder, 2);
     let rest = ["--board", "board.yaml", "--output", "out"];
     let cases: [(&[&str], i32, &str); 10] = [
@@ -187,7 +188,7 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
             1,
             "2 views, at least 3 are needed",
         ),
-        (&["drive.mcap"], 1, "rosbag2 bags are not read"),
+        (&["drive.mcap"], 1, "the bag has no messages of type"),
         (&["missing.png"], 1, "missing.png: no such file"),
         (
             &["view_0.png", "--fix", "k1,k9"],

@@ -1,23 +1,24 @@
 //! `ringcal check`: how well an existing calibration explains new views, and how far it is from another one.
 
+use super::collect::{Rules, collect};
 use super::measuring::Measuring;
 use super::output::print;
+use super::reading::{Collecting, Reading};
 use crate::board::Board;
-use crate::calibrate::{Check, Difference, FIELD, check, difference};
+use crate::calibrate::{CalibrateOptions, Check, Difference, FIELD, check, difference};
 use crate::camera::Camera;
 use crate::detect::Detector;
 use crate::formats::CheckJson;
 use crate::session::View;
-use crate::source::{self, read_board, read_camera_info};
+use crate::source::{read_board, read_camera_info};
 use anyhow::Context;
-use rayon::prelude::*;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Arguments of `ringcal check`.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Image files, and folders of them.
+    /// Image files, folders of them, and rosbag2 bags (MCAP, SQLite3).
     #[arg(required_unless_present = "compare", value_name = "INPUT")]
     inputs: Vec<PathBuf>,
     /// The board file.
@@ -37,6 +38,10 @@ pub struct Arguments {
     compare: Option<PathBuf>,
     #[command(flatten)]
     measuring: Measuring,
+    #[command(flatten)]
+    reading: Reading,
+    #[command(flatten)]
+    collecting: Collecting,
     /// What to print.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
@@ -103,32 +108,15 @@ fn check_inputs(
     if let Some(path) = arguments.inputs.iter().find(|path| !path.exists()) {
         anyhow::bail!("{}: no such file or folder", path.display());
     }
+    let inputs = arguments.reading.open(&arguments.inputs)?;
     let detector = Detector::new(board, arguments.measuring.options());
-    let mut views = Vec::new();
-    let mut inputs = 0;
-    let mut frames = source::frames(arguments.inputs.clone()).peekable();
-    while frames.peek().is_some() {
-        let batch: Vec<_> = frames.by_ref().take(rayon::current_num_threads()).collect();
-        inputs += batch.len();
-        let found: Vec<(String, Result<View, String>)> = batch
-            .into_par_iter()
-            .map(|recorded| {
-                let source = recorded.path.to_string_lossy().into_owned();
-                let view = recorded
-                    .frame
-                    .map_err(|error| error.to_string())
-                    .and_then(|frame| detector.detect(&frame).map_err(|miss| miss.to_string()))
-                    .map(|detection| View::of_file(source.as_str(), &detection));
-                (source, view)
-            })
-            .collect();
-        for (source, view) in found {
-            match view {
-                Ok(view) => views.push(view),
-                Err(reason) => eprintln!("{source}: not used: {reason}"),
-            }
-        }
-    }
+    let rules = Rules {
+        files: None,
+        stream: arguments.collecting.rules.to_check(),
+        options: CalibrateOptions::default(),
+    };
+    let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
+    let (views, inputs) = (collected.views, collected.frames);
     anyhow::ensure!(
         !views.is_empty(),
         "the board was found in none of {inputs} inputs"

@@ -5,11 +5,16 @@
 mod board;
 mod calibrate;
 mod check;
+mod collect;
 mod demo;
 mod detect;
+mod interrupt;
+mod looking;
 mod measuring;
 mod node;
 mod output;
+mod progress;
+mod reading;
 mod simulate;
 
 use clap::{Parser, Subcommand};
@@ -29,9 +34,9 @@ struct Arguments {
 enum Command {
     /// Run the ROS 2 node.
     Node(node::Arguments),
-    /// Find the board in image files.
+    /// Find the board in image files and bags.
     Detect(detect::Arguments),
-    /// Calibrate a camera from image files or folders.
+    /// Calibrate a camera from image files, folders or bags.
     Calibrate(calibrate::Arguments),
     /// Hold an existing calibration against new views, or against another calibration.
     Check(check::Arguments),

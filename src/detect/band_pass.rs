@@ -4,7 +4,7 @@
 //! long as it shows as a local extremum at all; a global or mid-level threshold loses it much earlier. One window size
 //! serves the rings of about one octave; the pyramid supplies the others.
 
-use crate::frame::{Pixel, Plane};
+use crate::frame::{Pixel, Plane, widest};
 use rayon::prelude::*;
 
 /// Half the side of the window of the mean, px of the level: the window is 17 x 17.
@@ -32,20 +32,7 @@ impl BandPass {
     pub(super) fn of<T: Pixel>(picture: &Plane<T>, sign: f32) -> Self {
         let smooth = smooth(picture);
         let margin = (NOISE_FACTOR * noise(&smooth)).max(RANGE_FRACTION * range(&smooth));
-        let mut plane = box_mean(&smooth);
-        plane
-            .data_mut()
-            .par_chunks_mut(ROWS_PER_TASK * smooth.width().max(1))
-            .zip(
-                smooth
-                    .data()
-                    .par_chunks(ROWS_PER_TASK * smooth.width().max(1)),
-            )
-            .for_each(|(mean, value)| {
-                for (m, v) in mean.iter_mut().zip(value) {
-                    *m = sign * (v - *m);
-                }
-            });
+        let plane = less_mean(&smooth, sign);
         Self { plane, margin }
     }
 }
@@ -54,99 +41,172 @@ impl BandPass {
 fn smooth<T: Pixel>(picture: &Plane<T>) -> Plane<f32> {
     let (width, height) = (picture.width(), picture.height());
     let mut out = Plane::filled(width, height, 0.0_f32);
+    if width == 0 {
+        return out;
+    }
     out.data_mut()
-        .par_chunks_mut(width.max(1))
+        .par_chunks_mut(ROWS_PER_TASK * width)
         .enumerate()
-        .for_each(|(y, row)| {
-            let above = picture.row(y.saturating_sub(1));
-            let here = picture.row(y);
-            let below = picture.row((y + 1).min(height - 1));
-            let mut column = vec![0.0_f32; width];
-            for (c, ((a, h), b)) in column.iter_mut().zip(above.iter().zip(here).zip(below)) {
-                *c = 0.25 * (a.unit() + 2.0 * h.unit() + b.unit());
-            }
-            row[0] = 0.25 * (3.0 * column[0] + column[1.min(width - 1)]);
-            for (pixel, c) in row[1..].iter_mut().zip(column.windows(3)) {
-                *pixel = 0.25 * (c[0] + 2.0 * c[1] + c[2]);
-            }
-            if width > 1 {
-                row[width - 1] = 0.25 * (3.0 * column[width - 1] + column[width - 2]);
+        .for_each(|(task, rows)| {
+            let mut columns = vec![0.0_f32; width + 2];
+            for (i, row) in rows.chunks_exact_mut(width).enumerate() {
+                let y = task * ROWS_PER_TASK + i;
+                let above = picture.row(y.saturating_sub(1));
+                let below = picture.row((y + 1).min(height - 1));
+                let around = [above, picture.row(y), below];
+                widest(
+                    #[inline(always)]
+                    || smooth_row(around, &mut columns, row),
+                );
             }
         });
     out
 }
 
-/// Mean over the part of the window that lies inside the picture.
-fn box_mean(picture: &Plane<f32>) -> Plane<f32> {
+/// One row of it; `columns` is one pixel wider at either end.
+#[inline(always)]
+fn smooth_row<T: Pixel>([above, here, below]: [&[T]; 3], columns: &mut [f32], row: &mut [f32]) {
+    let width = row.len();
+    let (above, here, below) = (&above[..width], &here[..width], &below[..width]);
+    for (x, column) in columns[1..=width].iter_mut().enumerate() {
+        *column = above[x].raw() + 2.0 * here[x].raw() + below[x].raw();
+    }
+    columns[0] = columns[1];
+    columns[width + 1] = columns[width];
+    let scale = T::UNIT / 16.0;
+    let (left, middle, right) = (&columns[..width], &columns[1..=width], &columns[2..]);
+    for (x, pixel) in row.iter_mut().enumerate() {
+        *pixel = scale * (left[x] + 2.0 * middle[x] + right[x]);
+    }
+}
+
+/// The picture less the mean over the part of the window that lies inside it, times a sign.
+fn less_mean(picture: &Plane<f32>, sign: f32) -> Plane<f32> {
     let (width, height) = (picture.width(), picture.height());
     let mut out = Plane::filled(width, height, 0.0_f32);
+    if width == 0 {
+        return out;
+    }
+    let within = |at: usize, size: usize| {
+        let last = (at + HALF_WINDOW).min(size - 1);
+        (at.saturating_sub(HALF_WINDOW), last)
+    };
+    let shares: Vec<f32> = (0..width)
+        .map(|x| within(x, width))
+        .map(|(first, last)| ((last - first + 1) as f32).recip())
+        .collect();
     out.data_mut()
-        .par_chunks_mut(ROWS_PER_TASK * width.max(1))
+        .par_chunks_mut(ROWS_PER_TASK * width)
         .enumerate()
         .for_each(|(task, rows)| {
             let first = task * ROWS_PER_TASK;
-            let window = |y: usize| {
-                (
-                    y.saturating_sub(HALF_WINDOW),
-                    (y + HALF_WINDOW).min(height - 1),
-                )
-            };
-            let (mut top, mut bottom) = window(first);
-            let mut columns = vec![0.0_f32; width];
-            for y in top..=bottom {
-                add(&mut columns, picture.row(y), 1.0);
-            }
+            let (mut top, mut bottom) = within(first, height);
+            let mut sums = WindowSums::new(width);
+            (top..=bottom).for_each(|y| sums.add(picture.row(y), 1.0));
             for (i, row) in rows.chunks_mut(width).enumerate() {
-                let (new_top, new_bottom) = window(first + i);
+                let (new_top, new_bottom) = within(first + i, height);
                 if new_bottom > bottom {
-                    add(&mut columns, picture.row(new_bottom), 1.0);
+                    sums.add(picture.row(new_bottom), 1.0);
                     bottom = new_bottom;
                 }
                 if new_top > top {
-                    add(&mut columns, picture.row(top), -1.0);
+                    sums.add(picture.row(top), -1.0);
                     top = new_top;
                 }
-                mean_along(&columns, row, (bottom - top + 1) as f32);
+                let share = ((bottom - top + 1) as f32).recip();
+                let here = picture.row(first + i);
+                sums.subtract_mean((here, row), &shares, (share, sign));
             }
         });
     out
 }
 
-fn add(columns: &mut [f32], row: &[f32], sign: f32) {
-    for (c, v) in columns.iter_mut().zip(row) {
-        *c += sign * v;
+/// Sums of the columns of a window that slides down, and room for those along a row.
+struct WindowSums {
+    /// With half a window of nothing at either end.
+    columns: Vec<f32>,
+    room: [Vec<f32>; 2],
+}
+
+impl WindowSums {
+    fn new(width: usize) -> Self {
+        let padded = vec![0.0; width + 2 * HALF_WINDOW];
+        Self {
+            room: [padded.clone(), padded.clone()],
+            columns: padded,
+        }
+    }
+
+    fn add(&mut self, row: &[f32], sign: f32) {
+        let columns = &mut self.columns[HALF_WINDOW..HALF_WINDOW + row.len()];
+        widest(
+            #[inline(always)]
+            || {
+                for (column, value) in columns.iter_mut().zip(row) {
+                    *column += sign * value;
+                }
+            },
+        );
+    }
+
+    /// A row less the mean of its windows. The sums over 16 columns come from those over 8, and so on: no pixel waits for the one
+    /// before it, as it would where a window slides along.
+    fn subtract_mean(
+        &mut self,
+        (here, out): (&[f32], &mut [f32]),
+        shares: &[f32],
+        (share, sign): (f32, f32),
+    ) {
+        let Self { columns, room } = self;
+        let [one, other] = room;
+        widest(
+            #[inline(always)]
+            || {
+                add_shifted(columns, 1, one);
+                add_shifted(one, 2, other);
+                add_shifted(other, 4, one);
+                add_shifted(one, 8, other);
+                let (last, sums) = (&columns[2 * HALF_WINDOW..], &other[..]);
+                let width = out.len();
+                let (last, sums) = (&last[..width], &sums[..width]);
+                let (here, shares) = (&here[..width], &shares[..width]);
+                for (x, out) in out.iter_mut().enumerate() {
+                    *out = sign * (here[x] - (sums[x] + last[x]) * shares[x] * share);
+                }
+            },
+        );
     }
 }
 
-/// Slides the window along a row of column sums.
-fn mean_along(columns: &[f32], row: &mut [f32], rows_in_window: f32) {
-    let width = columns.len();
-    let mut sum: f32 = columns[..(HALF_WINDOW + 1).min(width)].iter().sum();
-    for x in 0..width {
-        let count = (x + HALF_WINDOW).min(width - 1) - x.saturating_sub(HALF_WINDOW) + 1;
-        row[x] = sum / (count as f32 * rows_in_window);
-        if x + HALF_WINDOW + 1 < width {
-            sum += columns[x + HALF_WINDOW + 1];
-        }
-        if x >= HALF_WINDOW {
-            sum -= columns[x - HALF_WINDOW];
-        }
+/// Sums of values and those `by` places after them; the last ones are left as they were.
+#[inline(always)]
+fn add_shifted(values: &[f32], by: usize, out: &mut [f32]) {
+    for (out, (a, b)) in out.iter_mut().zip(values.iter().zip(&values[by..])) {
+        *out = a + b;
     }
 }
 
-/// Every how many pixels the statistics of a picture are sampled.
+/// Every how many pixels the statistics of a picture are sampled at least, and how many samples are enough.
 const SAMPLING: usize = 7;
+const SAMPLES: usize = 6000;
+
+/// Every how many pixels, each way.
+fn sampling(picture: &Plane<f32>) -> usize {
+    let pixels = picture.width() * picture.height();
+    SAMPLING.max((pixels / SAMPLES).isqrt())
+}
 
 /// Standard deviation of the noise that smoothing left: the median of second differences over three pixels, which
 /// structure hardly moves.
 fn noise(smooth: &Plane<f32>) -> f32 {
+    let every = sampling(smooth);
     let mut differences: Vec<f32> = (0..smooth.height())
-        .step_by(SAMPLING)
+        .step_by(every)
         .flat_map(|y| {
             smooth
                 .row(y)
                 .windows(7)
-                .step_by(SAMPLING)
+                .step_by(every)
                 .map(|w| (w[3] - 0.5 * (w[0] + w[6])).abs())
         })
         .collect();
@@ -156,9 +216,10 @@ fn noise(smooth: &Plane<f32>) -> f32 {
 
 /// From the 2nd to the 98th percentile of the grey values.
 fn range(smooth: &Plane<f32>) -> f32 {
+    let every = sampling(smooth);
     let mut values: Vec<f32> = (0..smooth.height())
-        .step_by(SAMPLING)
-        .flat_map(|y| smooth.row(y).iter().step_by(SAMPLING).copied())
+        .step_by(every)
+        .flat_map(|y| smooth.row(y).iter().step_by(every).copied())
         .collect();
     quantile(&mut values, 0.98) - quantile(&mut values, 0.02)
 }
@@ -181,9 +242,9 @@ mod tests {
     }
 
     #[test]
-    fn box_mean_agrees_with_its_definition() {
+    fn the_mean_agrees_with_its_definition() {
         let p = picture(|x, y| ((x * 31 + y * 17) % 23) as f32);
-        let mean = box_mean(&p);
+        let less = less_mean(&p, 1.0);
         for (x, y) in [
             (0_usize, 0_usize),
             (59, 69),
@@ -199,7 +260,7 @@ mod tests {
                     count += 1.0;
                 }
             }
-            assert!((mean.at(x, y) - sum / count).abs() < 1e-3);
+            assert!((less.at(x, y) - (p.at(x, y) - sum / count)).abs() < 1e-3);
         }
     }
 

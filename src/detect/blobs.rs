@@ -103,12 +103,13 @@ pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
     let mut parents: Vec<u32> = Vec::new();
     let mut sums: Vec<Sums> = Vec::new();
     let mut above: Vec<Run> = Vec::new();
+    let mut runs: Vec<Run> = Vec::new();
     for y in 0..band.plane.height() {
         let row = band.plane.row(y);
-        let mut runs = match side {
-            Side::Light => runs_of(row, |v| v > band.margin),
-            Side::Dark => runs_of(row, |v| v < -band.margin),
-        };
+        match side {
+            Side::Light => runs_of(row, &mut runs, |v| v > band.margin),
+            Side::Dark => runs_of(row, &mut runs, |v| v < -band.margin),
+        }
         let mut first = 0;
         for run in &mut runs {
             while above.get(first).is_some_and(|a| a.end <= run.begin) {
@@ -126,7 +127,7 @@ pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
             });
             sums[run.label as usize].add_run(y as f64, f64::from(run.begin), f64::from(run.end));
         }
-        above = runs;
+        std::mem::swap(&mut above, &mut runs);
     }
     (0..parents.len())
         .filter(|&i| parents[i] as usize == i)
@@ -134,24 +135,37 @@ pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
         .collect()
 }
 
-fn runs_of(row: &[f32], inside: impl Fn(f32) -> bool) -> Vec<Run> {
-    let mut runs = Vec::new();
+/// Pixels that are looked at together: most lie in the midst of many that are all inside or all outside.
+const TOGETHER: usize = 16;
+
+/// The runs of pixels inside, in the order of the row.
+fn runs_of(row: &[f32], runs: &mut Vec<Run>, inside: impl Fn(f32) -> bool) {
+    runs.clear();
     let mut begin = None;
-    for (x, is_in) in row.iter().map(|&v| inside(v)).chain([false]).enumerate() {
-        match (begin, is_in) {
-            (None, true) => begin = Some(x as u32),
-            (Some(b), false) => {
-                runs.push(Run {
-                    begin: b,
-                    end: x as u32,
-                    label: 0,
-                });
-                begin = None;
+    let mut turn = |x: usize, is_in: bool, begin: &mut Option<u32>| match (*begin, is_in) {
+        (None, true) => *begin = Some(x as u32),
+        (Some(b), false) => {
+            runs.push(Run {
+                begin: b,
+                end: x as u32,
+                label: 0,
+            });
+            *begin = None;
+        }
+        _ => {}
+    };
+    for (i, part) in row.chunks(TOGETHER).enumerate() {
+        let count: u32 = part.iter().map(|&v| u32::from(inside(v))).sum();
+        let first = i * TOGETHER;
+        if count == 0 || count as usize == part.len() {
+            turn(first, count > 0, &mut begin);
+        } else {
+            for (x, &value) in part.iter().enumerate() {
+                turn(first + x, inside(value), &mut begin);
             }
-            _ => {}
         }
     }
-    runs
+    turn(row.len(), false, &mut begin);
 }
 
 fn find(parents: &mut [u32], mut label: u32) -> u32 {

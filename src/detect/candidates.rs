@@ -2,7 +2,7 @@
 
 use super::band_pass::BandPass;
 use super::blobs::{Blob, Side, blobs};
-use super::ellipse_fit::fit_ellipse;
+use super::ellipse_fit::{NEARLY_SETTLED, fit_ellipse};
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Level;
 use nalgebra::{Matrix2, Point2, Vector2};
@@ -55,7 +55,7 @@ fn outline(band: &BandPass, blob: &Blob) -> Option<Ellipse> {
             .find(|&t| at(t).is_some_and(|v| v >= 0.0))?;
         Some(blob.centre + axis * (end - 0.5 * STEP))
     })?;
-    fit_ellipse(&points).map(|fit| fit.ellipse)
+    fit_ellipse(&points, NEARLY_SETTLED).map(|fit| fit.ellipse)
 }
 
 /// What is found along each ray, its direction given in units of the patch's own radii; `None` as soon as too many rays have found
@@ -106,8 +106,8 @@ fn surrounded(band: &BandPass, blob: &Blob, ratio: f64) -> Option<RingEllipses> 
     let crossings = along_rays(&axes, |axis| cross_ring(band, blob.centre, axis, reach))?;
     let (inner, outer): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
     let ring = RingEllipses {
-        inner: fit_ellipse(&inner)?.ellipse,
-        outer: fit_ellipse(&outer)?.ellipse,
+        inner: fit_ellipse(&inner, NEARLY_SETTLED)?.ellipse,
+        outer: fit_ellipse(&outer, NEARLY_SETTLED)?.ellipse,
     };
     looks_concentric(&ring, ratio, 2.0).then_some(ring)
 }

@@ -2,13 +2,15 @@
 
 use super::centres::board_homography;
 use super::detection::{Detection, Miss, Ring};
-use super::grid::find_grid;
+use super::grid::{Grid, find_grid};
 use super::light::bad_light;
 use super::outermost::sure_centres;
 use super::required::Required;
 use super::ring_fit::Care;
 use super::rings::{add_drowned, find_rings};
+use super::scales::Scales;
 use super::single::find_single;
+use super::whole::find_whole;
 use crate::board::{Board, Polarity};
 use crate::camera::Camera;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
@@ -104,11 +106,11 @@ impl Detector {
             return find_single(frame, &self.board, &self.options, sign);
         }
         let care = Care::of(self.options.estimator);
-        let rings = find_rings(frame, &self.board, sign, care);
-        let grid = find_grid(frame, &self.board, &rings, sign, &self.options).or_else(|_| {
-            let all = add_drowned(frame, &self.board, rings, sign, care);
-            find_grid(frame, &self.board, &all, sign, &self.options)
-        })?;
+        let mut scales = Scales::new(frame, sign, self.board.radius_ratio());
+        let grid = match find_whole(&mut scales, &self.board, &self.options) {
+            Some(grid) => grid,
+            None => self.search(&mut scales, care)?,
+        };
         let (indices, another) = (grid.indices, grid.another);
         let (rings, photometric) = sure_centres(frame, &self.board, grid, &self.options, sign)?;
         if photometric.is_some() {
@@ -127,6 +129,16 @@ impl Detector {
             homography,
             photometric,
             another,
+        })
+    }
+
+    /// Looks at everything that may be a ring, at all scales.
+    fn search(&self, scales: &mut Scales, care: Care) -> Result<Grid, Miss> {
+        let (frame, sign) = (scales.frame, scales.sign);
+        let rings = find_rings(scales, &self.board, care);
+        find_grid(frame, &self.board, &rings, sign, &self.options).or_else(|_| {
+            let all = add_drowned(scales, &self.board, rings, care);
+            find_grid(frame, &self.board, &all, sign, &self.options)
         })
     }
 }

@@ -4,15 +4,16 @@
 //! neighbouring rays, so that a shadow across the ring moves no edge; rays on the shadow's border are left to the
 //! robust fit. Under blur the levels are the extrema of the profile: the best edges a construction on ellipses can get.
 
-use super::profile::{Profile, sample};
-use crate::centre::{Ellipse, RingEllipses};
+use super::profile::{Profile, Rays};
+use crate::centre::RingEllipses;
 use crate::frame::{Pixel, Plane};
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Matrix3, Point2, Vector2};
 
 /// Fewest and most rays of a ring; between, one for each pixel of the outer edge.
 const RAYS: (usize, usize) = (48, 192);
 /// Rays on either side over which levels are smoothed, as a fraction of all.
 const LEVEL_SMOOTHING: f64 = 1.0 / 24.0;
+const MOST_REACH: usize = RAYS.1 / 24;
 /// Fraction of the rays that must show an edge.
 const LEAST_RAYS: f64 = 0.6;
 
@@ -61,12 +62,12 @@ pub(super) fn ring_edges<T: Pixel>(
         LevelRule::Rough => RAYS.0,
         _ => ((std::f64::consts::TAU * rough.outer.major) as usize).clamp(RAYS.0, RAYS.1),
     };
-    let profiles: Vec<Profile> = (0..count)
-        .filter_map(|i| {
-            let t = std::f64::consts::TAU * i as f64 / count as f64;
-            sample(picture, rough, t, sign)
-        })
-        .collect();
+    let mut rays = Rays::default();
+    for i in 0..count {
+        let t = std::f64::consts::TAU * i as f64 / count as f64;
+        rays.sample(picture, rough, t, sign);
+    }
+    let profiles = rays.profiles();
     let least = (LEAST_RAYS * count as f64) as usize;
     if profiles.len() < least {
         return None;
@@ -76,6 +77,7 @@ pub(super) fn ring_edges<T: Pixel>(
         print_levels(&mut levels);
     }
     let mut edges = RingEdges::default();
+    let outline = rough.outer.conic();
     for (profile, level) in profiles.iter().zip(&levels) {
         let Some(outer) = outer_crossing(profile, level) else {
             continue;
@@ -84,7 +86,7 @@ pub(super) fn ring_edges<T: Pixel>(
         edges
             .inner
             .extend(inner_crossing(profile, level).map(|inner| profile.point(inner)));
-        let across = normal_at(&rough.outer, &profile.point(outer))
+        let across = normal_at(&outline, &profile.point(outer))
             .dot(&profile.direction)
             .abs();
         let along = profile.blur_sigma_px(level.ring, level.outside, outer);
@@ -103,33 +105,35 @@ pub(super) fn ring_edges<T: Pixel>(
 /// The mid-level crossing next to the ring's extremum, inwards, px from the profile's origin.
 fn inner_crossing(profile: &Profile, level: &Levels) -> Option<f64> {
     let wanted = 0.5 * (level.inside + level.ring);
-    let values = &profile.values;
+    let (values, limit) = (profile.values, wanted as f32);
     let at = (1..=profile.darkest)
         .rev()
-        .find(|&i| values[i] <= wanted && values[i - 1] > wanted)?;
+        .find(|&i| values[i] <= limit && values[i - 1] > limit)?;
     (level.inside > level.ring).then(|| profile.radius_px(at, wanted))
 }
 
 /// The mid-level crossing next to the ring's extremum, outwards, px from the profile's origin.
 fn outer_crossing(profile: &Profile, level: &Levels) -> Option<f64> {
     let wanted = 0.5 * (level.outside + level.ring);
-    let values = &profile.values;
+    let (values, limit) = (profile.values, wanted as f32);
     let at = (profile.darkest + 1..values.len())
-        .find(|&i| values[i] >= wanted && values[i - 1] < wanted)?;
+        .find(|&i| values[i] >= limit && values[i - 1] < limit)?;
     (level.outside > level.ring).then(|| profile.radius_px(at, wanted))
 }
 
 /// Levels of every ray, each the median over its neighbours.
 fn smoothed_levels(profiles: &[Profile]) -> Vec<Levels> {
-    let reach = ((profiles.len() as f64 * LEVEL_SMOOTHING) as usize).max(1);
+    let reach = ((profiles.len() as f64 * LEVEL_SMOOTHING) as usize).clamp(1, MOST_REACH);
     let smooth = |of: fn(&Profile) -> f64| -> Vec<f64> {
         let raw: Vec<f64> = profiles.iter().map(of).collect();
         (0..raw.len())
             .map(|i| {
-                let mut around: Vec<f64> = (0..=2 * reach)
-                    .map(|k| raw[(i + raw.len() + k - reach) % raw.len()])
-                    .collect();
-                median(&mut around)
+                let mut around = [0.0; 2 * MOST_REACH + 1];
+                let around = &mut around[..2 * reach + 1];
+                for (k, value) in around.iter_mut().enumerate() {
+                    *value = raw[(i + raw.len() + k - reach) % raw.len()];
+                }
+                median(around)
             })
             .collect()
     };
@@ -178,8 +182,8 @@ fn print_levels(levels: &mut [Levels]) {
     }
 }
 
-fn normal_at(ellipse: &Ellipse, point: &Point2<f64>) -> Vector2<f64> {
-    let gradient = ellipse.conic() * point.to_homogeneous();
+fn normal_at(conic: &Matrix3<f64>, point: &Point2<f64>) -> Vector2<f64> {
+    let gradient = conic * point.to_homogeneous();
     gradient.xy().try_normalize(0.0).unwrap_or_else(Vector2::x)
 }
 

@@ -3,10 +3,12 @@
 use crate::centre::Ellipse;
 use nalgebra::{Matrix3, Point2, SMatrix, SVector};
 
-/// Reweighted solutions until the weights settle: so many at most, and none after one that moved the ellipse by less than this
-/// fraction of its radius.
+/// Reweighted solutions until the weights settle: so many at most.
 const ROUNDS: usize = 12;
-const SETTLED: f64 = 1e-7;
+/// None after one that moved the ellipse by less than this fraction of its radius.
+pub(super) const SETTLED: f64 = 1e-7;
+/// The same where the ellipse is no result but where something else begins.
+pub(super) const NEARLY_SETTLED: f64 = 1e-4;
 /// Tukey's biweight constant: 95 % efficiency on normal noise.
 const TUKEY: f64 = 4.685;
 /// Residuals below this are never outliers, px: it keeps a perfect fit from rejecting its rounding errors.
@@ -33,7 +35,7 @@ pub(super) struct EllipseFit {
 ///
 /// The points must surround the ellipse: their mean lies inside it, so F = q . (x^2, 2xy, y^2, 2x, 2y) - 1 about that mean
 /// describes every candidate and each round is a linear problem. `None` where they determine no ellipse.
-pub(super) fn fit_ellipse(points: &[Point2<f64>]) -> Option<EllipseFit> {
+pub(super) fn fit_ellipse(points: &[Point2<f64>], settled: f64) -> Option<EllipseFit> {
     if points.len() < LEAST_POINTS {
         return None;
     }
@@ -53,10 +55,11 @@ pub(super) fn fit_ellipse(points: &[Point2<f64>]) -> Option<EllipseFit> {
         .map(|p| ((p - origin) / radius).into())
         .collect();
     let start = solve(&unit, &vec![1.0; unit.len()])?;
-    let mut best = reweight(&unit, start, radius)?;
+    let mut best = reweight(&unit, start, (radius, settled))?;
     if best.inliers < SUSPICIOUS.0 || best.scale > SUSPICIOUS.1 {
         // outliers in plenty have drawn the first solution to them
-        let second = least_median(&unit).and_then(|start| reweight(&unit, start, radius));
+        let second =
+            least_median(&unit).and_then(|start| reweight(&unit, start, (radius, settled)));
         best = second
             .into_iter()
             .chain([best])
@@ -77,7 +80,7 @@ pub(super) fn fit_ellipse(points: &[Point2<f64>]) -> Option<EllipseFit> {
 
 /// The ellipse through points that surround it; `None` where they determine none.
 pub(crate) fn ellipse_through(points: &[Point2<f64>]) -> Option<Ellipse> {
-    fit_ellipse(points).map(|fit| fit.ellipse)
+    fit_ellipse(points, SETTLED).map(|fit| fit.ellipse)
 }
 
 /// A solution in units of the points' mean radius.
@@ -88,13 +91,20 @@ struct Solution {
 }
 
 /// Improves a first solution until the weights of its points settle.
-fn reweight(unit: &[Point2<f64>], start: SVector<f64, 5>, radius_px: f64) -> Option<Solution> {
+fn reweight(
+    unit: &[Point2<f64>],
+    start: SVector<f64, 5>,
+    (radius_px, settled): (f64, f64),
+) -> Option<Solution> {
     let mut conic = start;
     let mut scale = f64::INFINITY;
     let mut weights = vec![0.0; unit.len()];
+    let mut residuals = Vec::with_capacity(unit.len());
+    let mut room = Vec::with_capacity(unit.len());
     for _ in 0..ROUNDS {
-        let residuals: Vec<(f64, f64)> = unit.iter().map(|p| sampson(&conic, p)).collect();
-        scale = robust_scale(&residuals).max(LEAST_SCALE_PX / radius_px);
+        residuals.clear();
+        residuals.extend(unit.iter().map(|p| sampson(&conic, p)));
+        scale = robust_scale(&residuals, &mut room).max(LEAST_SCALE_PX / radius_px);
         for (weight, (distance, gradient)) in weights.iter_mut().zip(&residuals) {
             let t = (distance / (TUKEY * scale)).powi(2);
             let tukey = if t < 1.0 { (1.0 - t).powi(2) } else { 0.0 };
@@ -103,7 +113,7 @@ fn reweight(unit: &[Point2<f64>], start: SVector<f64, 5>, radius_px: f64) -> Opt
         let next = solve(unit, &weights)?;
         let moved = (next - conic).amax();
         conic = next;
-        if moved < SETTLED {
+        if moved < settled {
             break;
         }
     }
@@ -123,26 +133,42 @@ fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
         state = state * 48_271 % 2_147_483_647;
         unit[state as usize % unit.len()]
     };
+    let mut room = Vec::new();
     (0..SUBSETS)
         .filter_map(|_| solve(&[pick(), pick(), pick(), pick(), pick()], &[1.0; 5]))
         .map(|conic| {
             let residuals: Vec<(f64, f64)> = unit.iter().map(|p| sampson(&conic, p)).collect();
-            (robust_scale(&residuals), conic)
+            (robust_scale(&residuals, &mut room), conic)
         })
         .min_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, conic)| conic)
 }
 
-/// Weighted least squares of F over the points.
+/// Weighted least squares of F over the points. What it needs of them are their moments up to the fourth.
 fn solve(points: &[Point2<f64>], weights: &[f64]) -> Option<SVector<f64, 5>> {
-    let mut normal = SMatrix::<f64, 5, 5>::zeros();
-    let mut right = SVector::<f64, 5>::zeros();
-    for (p, &weight) in points.iter().zip(weights) {
-        let row =
-            SVector::<f64, 5>::new(p.x * p.x, 2.0 * p.x * p.y, p.y * p.y, 2.0 * p.x, 2.0 * p.y);
-        normal.ger(weight, &row, &row, 1.0);
-        right.axpy(weight, &row, 1.0);
+    let (mut x4, mut x3y, mut x2y2, mut xy3, mut y4) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    let (mut x3, mut x2y, mut xy2, mut y3) = (0.0, 0.0, 0.0, 0.0);
+    let (mut x2, mut xy, mut y2, mut x1, mut y1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for (p, weight) in points.iter().zip(weights) {
+        let (x, y) = (p.x, p.y);
+        let (wx, wy) = (weight * x, weight * y);
+        let (wxx, wxy, wyy) = (wx * x, wx * y, wy * y);
+        (x1, y1) = (x1 + wx, y1 + wy);
+        (x2, xy, y2) = (x2 + wxx, xy + wxy, y2 + wyy);
+        (x3, x2y) = (x3 + wxx * x, x2y + wxx * y);
+        (xy2, y3) = (xy2 + wyy * x, y3 + wyy * y);
+        (x4, x3y, x2y2) = (x4 + wxx * x * x, x3y + wxx * x * y, x2y2 + wxx * y * y);
+        (xy3, y4) = (xy3 + wyy * x * y, y4 + wyy * y * y);
     }
+    #[rustfmt::skip]
+    let normal = SMatrix::<f64, 5, 5>::new(
+        x4, 2.0 * x3y, x2y2, 2.0 * x3, 2.0 * x2y,
+        2.0 * x3y, 4.0 * x2y2, 2.0 * xy3, 4.0 * x2y, 4.0 * xy2,
+        x2y2, 2.0 * xy3, y4, 2.0 * xy2, 2.0 * y3,
+        2.0 * x3, 4.0 * x2y, 2.0 * xy2, 4.0 * x2, 4.0 * xy,
+        2.0 * x2y, 4.0 * xy2, 2.0 * y3, 4.0 * xy, 4.0 * y2,
+    );
+    let right = SVector::<f64, 5>::new(x2, 2.0 * xy, y2, 2.0 * x1, 2.0 * y1);
     normal.cholesky().map(|c| c.solve(&right))
 }
 
@@ -161,8 +187,9 @@ fn matrix(q: &SVector<f64, 5>) -> Matrix3<f64> {
 }
 
 /// Standard deviation from the median of the absolute distances.
-fn robust_scale(residuals: &[(f64, f64)]) -> f64 {
-    let mut absolute: Vec<f64> = residuals.iter().map(|r| r.0.abs()).collect();
+fn robust_scale(residuals: &[(f64, f64)], absolute: &mut Vec<f64>) -> f64 {
+    absolute.clear();
+    absolute.extend(residuals.iter().map(|r| r.0.abs()));
     let middle = absolute.len() / 2;
     1.4826 * *absolute.select_nth_unstable_by(middle, f64::total_cmp).1
 }
@@ -188,7 +215,7 @@ mod tests {
 
     #[test]
     fn exact_points_give_the_exact_ellipse() {
-        let fit = fit_ellipse(&around(40)).unwrap();
+        let fit = fit_ellipse(&around(40), SETTLED).unwrap();
         assert!((fit.ellipse.centre - TRUTH.centre).norm() < 1e-9);
         assert!((fit.ellipse.major - TRUTH.major).abs() < 1e-9);
         assert!((fit.ellipse.angle - TRUTH.angle).abs() < 1e-9);
@@ -206,7 +233,7 @@ mod tests {
         for p in points.iter_mut().take(12) {
             *p += (TRUTH.centre - *p) * 0.25;
         }
-        let fit = fit_ellipse(&points).unwrap();
+        let fit = fit_ellipse(&points, SETTLED).unwrap();
         assert!((fit.ellipse.centre - TRUTH.centre).norm() < 0.05);
         assert!((fit.ellipse.minor - TRUTH.minor).abs() < 0.1);
         assert!(fit.inliers > 0.75 && fit.inliers < 0.85, "{}", fit.inliers);
@@ -214,10 +241,10 @@ mod tests {
 
     #[test]
     fn points_that_determine_nothing_give_nothing() {
-        assert!(fit_ellipse(&around(7)).is_none());
-        assert!(fit_ellipse(&[Point2::new(3.0, 4.0); 20]).is_none());
+        assert!(fit_ellipse(&around(7), SETTLED).is_none());
+        assert!(fit_ellipse(&[Point2::new(3.0, 4.0); 20], SETTLED).is_none());
         let line: Vec<Point2<f64>> = (0..20).map(|i| Point2::new(f64::from(i), 2.0)).collect();
-        assert!(fit_ellipse(&line).is_none());
-        assert!(fit_ellipse(&[Point2::new(f64::NAN, 0.0); 9]).is_none());
+        assert!(fit_ellipse(&line, SETTLED).is_none());
+        assert!(fit_ellipse(&[Point2::new(f64::NAN, 0.0); 9], SETTLED).is_none());
     }
 }

@@ -23,7 +23,9 @@ mod profile;
 mod required;
 mod ring_fit;
 mod rings;
+mod scales;
 mod single;
+mod whole;
 
 pub use detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
 pub use detector::{DetectOptions, Detector};

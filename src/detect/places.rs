@@ -3,10 +3,21 @@
 use super::labelling::Label;
 use crate::camera::homography::{apply, fit_homography};
 use crate::centre::Ellipse;
-use nalgebra::{Matrix3, Point2, Vector2};
+use nalgebra::{Matrix2, Matrix3, Point2, SMatrix, SVector, Vector2};
+use std::collections::BTreeMap;
 
 /// Rings this many steps away and nearer say how the lens bends a place.
 const REACH: i32 = 2;
+
+/// How stiff the quadratic is in its constant, linear and square terms, relative to the rings that say how the lens bends: enough for few of
+/// them to leave it alone.
+const STIFFNESS: [f64; 6] = [0.0, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3];
+
+/// Logarithm of the size of a circle under the homography over that of a small one there, beyond which the latter is believed.
+const ALIKE: f64 = 0.25;
+
+/// What a lens does to a board's rings at most, as a factor.
+const MOST_STRETCH: f64 = 1.8;
 
 /// A map from labels to the frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +25,7 @@ pub(super) struct Places {
     /// Label (column, row) to frame px.
     pub(super) homography: Matrix3<f64>,
     /// How far each ring lies from where the homography puts it, px.
-    bends: Vec<(Label, Vector2<f64>)>,
+    bends: BTreeMap<Label, Vector2<f64>>,
 }
 
 /// Where a ring is expected.
@@ -53,13 +64,31 @@ impl Places {
 
     /// Where the ring with this label is expected from all others; `None` beyond the horizon.
     pub(super) fn expect(&self, label: Label) -> Option<Place> {
-        let here = plane(label);
-        let ideal = apply(&self.homography, here)?;
+        let steps = self.steps(label)?;
         Some(Place {
-            at: ideal + self.bend(label),
-            column_px: (apply(&self.homography, here + Vector2::x())? - ideal).norm(),
-            row_px: (apply(&self.homography, here + Vector2::y())? - ideal).norm(),
+            at: self.at(label)?,
+            column_px: steps.column(0).norm(),
+            row_px: steps.column(1).norm(),
         })
+    }
+
+    /// Where a label is, px.
+    fn at(&self, label: Label) -> Option<Point2<f64>> {
+        Some(apply(&self.homography, plane(label))? + self.bend(label))
+    }
+
+    /// From one column, and from one row, to the next about a label, px.
+    fn steps(&self, label: Label) -> Option<Matrix2<f64>> {
+        Some(self.stretch(label)? * self.flat_steps(label)?)
+    }
+
+    /// The same by the homography alone.
+    fn flat_steps(&self, label: Label) -> Option<Matrix2<f64>> {
+        let ideal = |dx: f64, dy: f64| apply(&self.homography, plane(label) + Vector2::new(dx, dy));
+        Some(Matrix2::from_columns(&[
+            (ideal(1.0, 0.0)? - ideal(-1.0, 0.0)?) * 0.5,
+            (ideal(0.0, 1.0)? - ideal(0.0, -1.0)?) * 0.5,
+        ]))
     }
 
     /// The image of a circle about a label, its radius in pitches.
@@ -77,27 +106,93 @@ impl Places {
             -y,
             x * x + y * y - radius * radius,
         );
+        let around = Ellipse {
+            centre: self.at(label)?,
+            major: radius,
+            minor: radius,
+            angle: 0.0,
+        };
+        let small = stretched(&around, &self.steps(label)?)?;
         let inverse = self.homography.try_inverse()?;
-        let ellipse = Ellipse::from_conic(&(inverse.transpose() * circle * inverse))?;
-        (ellipse.major < 1e5).then(|| Ellipse {
-            centre: ellipse.centre + self.bend(label),
-            ..ellipse
-        })
+        let flat = Ellipse::from_conic(&(inverse.transpose() * circle * inverse));
+        let stretch = self.stretch(label)?;
+        let exact = flat.and_then(|ellipse| {
+            Some(Ellipse {
+                centre: ellipse.centre + self.bend(label),
+                ..stretched(&ellipse, &stretch)?
+            })
+        });
+        // where the lens bends much the homography's horizon comes near, and its circles grow beyond bounds
+        let size = |e: &Ellipse| (e.major * e.minor).sqrt();
+        let alike = |e: &Ellipse| (size(e) / size(&small)).ln().abs() < ALIKE;
+        Some(exact.filter(alike).unwrap_or(small))
     }
 
-    /// The mean bend of the rings around a label, itself left out; the nearer, the more it counts.
+    /// What the lens does to small shapes about a label, beside the homography.
+    fn stretch(&self, label: Label) -> Option<Matrix2<f64>> {
+        let between = |a: Label, b: Label| Some((self.at(b)? - self.at(a)?) * 0.5);
+        let (column, row) = label;
+        let bent = Matrix2::from_columns(&[
+            between((column - 1, row), (column + 1, row))?,
+            between((column, row - 1), (column, row + 1))?,
+        ]);
+        let stretch = bent * self.flat_steps(label)?.try_inverse()?;
+        // beyond that a quadratic has been carried too far out
+        let sizes = stretch.singular_values();
+        let sound = sizes.max() < MOST_STRETCH && sizes.min() > MOST_STRETCH.recip();
+        Some(if sound { stretch } else { Matrix2::identity() })
+    }
+
+    /// How the rings around a label bend, itself left out: a quadratic through them, the nearer ones counting more. Where they are too few
+    /// for that, little more than their mean.
     fn bend(&self, label: Label) -> Vector2<f64> {
-        let (mut sum, mut weights) = (Vector2::zeros(), 0.0);
-        for (other, bend) in &self.bends {
-            let (dx, dy) = (other.0 - label.0, other.1 - label.1);
-            if (dx, dy) != (0, 0) && dx.abs().max(dy.abs()) <= REACH {
-                let weight = f64::from(dx * dx + dy * dy).powi(-2);
-                sum += bend * weight;
-                weights += weight;
+        let mut normal = SMatrix::<f64, 6, 6>::zeros();
+        let mut right = SMatrix::<f64, 6, 2>::zeros();
+        for row in label.1 - REACH..=label.1 + REACH {
+            for column in label.0 - REACH..=label.0 + REACH {
+                let Some(bend) = self.bends.get(&(column, row)) else {
+                    continue;
+                };
+                let (dx, dy) = (f64::from(column - label.0), f64::from(row - label.1));
+                if (column, row) == label {
+                    continue;
+                }
+                let weight = (dx * dx + dy * dy).recip();
+                let basis = SVector::<f64, 6>::new(1.0, dx, dy, dx * dx, dx * dy, dy * dy);
+                normal += basis * basis.transpose() * weight;
+                right += basis * bend.transpose() * weight;
             }
         }
-        if weights > 0.0 { sum / weights } else { sum }
+        let count = normal[(0, 0)];
+        if count <= 0.0 {
+            return Vector2::zeros();
+        }
+        for (k, stiffness) in STIFFNESS.into_iter().enumerate() {
+            normal[(k, k)] += stiffness * count;
+        }
+        let solved = normal.cholesky().map(|factor| factor.solve(&right));
+        solved.map_or_else(Vector2::zeros, |s| Vector2::new(s[(0, 0)], s[(0, 1)]))
     }
+}
+
+/// An ellipse under a linear map about its centre.
+fn stretched(ellipse: &Ellipse, map: &Matrix2<f64>) -> Option<Ellipse> {
+    let (sin, cos) = ellipse.angle.sin_cos();
+    let axes = Matrix2::new(
+        ellipse.major * cos,
+        -ellipse.minor * sin,
+        ellipse.major * sin,
+        ellipse.minor * cos,
+    );
+    let svd = (map * axes).svd(true, false);
+    let (u, sizes) = (svd.u?, svd.singular_values);
+    let first = sizes.imax();
+    Some(Ellipse {
+        centre: ellipse.centre,
+        major: sizes[first],
+        minor: sizes[1 - first],
+        angle: u[(1, first)].atan2(u[(0, first)]),
+    })
 }
 
 fn plane(label: Label) -> Point2<f64> {

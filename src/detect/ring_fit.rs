@@ -2,7 +2,7 @@
 
 use super::candidates::looks_concentric;
 use super::edges::{LevelRule, RingEdges, median, ring_edges};
-use super::ellipse_fit::{EllipseFit, fit_ellipse};
+use super::ellipse_fit::{EllipseFit, NEARLY_SETTLED, SETTLED, fit_ellipse};
 use crate::centre::{Ellipse, Estimator, RingEllipses};
 use crate::frame::{Frame, Pixels};
 
@@ -84,7 +84,7 @@ pub(super) fn measure(
     for rule in care.rounds() {
         let mut edges = edges_of(frame, &ellipses, sign, rule)?;
         let stray_px;
-        (ellipses, stray_px) = through(&edges, ratio)?;
+        (ellipses, stray_px) = through(&edges, ratio, settled(rule))?;
         fit = Some(RingFit {
             outer: ellipses.outer,
             inner: Some(ellipses.inner),
@@ -118,7 +118,7 @@ pub(super) fn measure_disc(
             outer: outline,
         };
         let mut edges = edges_of(frame, &rays, sign, rule)?;
-        let outer = fit_ellipse(&edges.outer)?;
+        let outer = fit_ellipse(&edges.outer, settled(rule))?;
         let blur_sigma_px = median(&mut edges.blur_sigma_px);
         let drowned = blur_sigma_px > DROWNING_BLUR * ratio * outer.ellipse.minor;
         if !(drowned && is_clean(&outer, outer.ellipse.minor)) {
@@ -143,7 +143,7 @@ fn at_print_levels(frame: &Frame, ring: &RingFit, sign: f64, ratio: f64) -> Opti
         outer: ring.outer,
     };
     let edges = edges_of(frame, &ellipses, sign, LevelRule::Print)?;
-    let (moved, stray_px) = through(&edges, ratio)?;
+    let (moved, stray_px) = through(&edges, ratio, SETTLED)?;
     Some(RingFit {
         outer: moved.outer,
         inner: Some(moved.inner),
@@ -153,9 +153,9 @@ fn at_print_levels(frame: &Frame, ring: &RingFit, sign: f64, ratio: f64) -> Opti
 }
 
 /// The ellipses through both edges and how far these stray from them, px; `None` where they are none of one ring.
-fn through(edges: &RingEdges, ratio: f64) -> Option<(RingEllipses, f64)> {
-    let inner = fit_ellipse(&edges.inner)?;
-    let outer = fit_ellipse(&edges.outer)?;
+fn through(edges: &RingEdges, ratio: f64, settled: f64) -> Option<(RingEllipses, f64)> {
+    let inner = fit_ellipse(&edges.inner, settled)?;
+    let outer = fit_ellipse(&edges.outer, settled)?;
     let ellipses = RingEllipses {
         inner: inner.ellipse,
         outer: outer.ellipse,
@@ -164,6 +164,14 @@ fn through(edges: &RingEdges, ratio: f64) -> Option<(RingEllipses, f64)> {
     let clean = is_clean(&inner, width) && is_clean(&outer, width);
     (clean && looks_concentric(&ellipses, ratio, RATIO_SLACK))
         .then(|| (ellipses, inner.scale_px.max(outer.scale_px)))
+}
+
+/// How far an ellipse through edges has to settle.
+fn settled(rule: LevelRule) -> f64 {
+    match rule {
+        LevelRule::Rough => NEARLY_SETTLED,
+        LevelRule::Extrema | LevelRule::Print => SETTLED,
+    }
 }
 
 fn edges_of(frame: &Frame, rough: &RingEllipses, sign: f64, rule: LevelRule) -> Option<RingEdges> {

@@ -1,31 +1,28 @@
 //! All rings of a frame, whatever their size: candidates of every pyramid level, measured on the frame itself.
 
-use super::band_pass::BandPass;
-use super::candidates::{candidates, disc_candidates};
 use super::labelling::lattices;
 use super::nearby::Nearby;
 use super::ring_fit::{Care, RingFit, measure, measure_disc};
+use super::scales::Scales;
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
-use crate::frame::{Frame, Level, Pixels, half, half_of_frame};
 use rayon::prelude::*;
-
-/// Levels whose shorter side is below this hold no ring that a lower level has not shown, px.
-const LEAST_SIDE_PX: usize = 24;
 
 /// At most so many candidates are measured, or this many times the rings of the board: whatever a frame shows, that many are a
 /// matter of milliseconds.
 const MOST_MEASURED: usize = 256;
 const MOST_PER_RING: usize = 4;
 
-/// Every ring of dark or light (`sign` 1 or -1) that shows in the frame, each once, in no particular order but always the same.
+/// Every ring of dark or light that shows in the frame, each once, in no particular order but always the same.
 /// Where the frame shows more candidates than can be measured, those that stand in a lattice as the board's go first.
-pub(super) fn find_rings(frame: &Frame, board: &Board, sign: f64, care: Care) -> Vec<RingFit> {
+pub(super) fn find_rings(scales: &mut Scales, board: &Board, care: Care) -> Vec<RingFit> {
     let ratio = board.radius_ratio();
-    let spots = spots(over_levels(frame, sign, |band, level| {
-        candidates(band, level, ratio)
-    }));
+    let levels: Vec<Vec<RingEllipses>> = (0..scales.count())
+        .map(|level| scales.rings(level).to_vec())
+        .collect();
+    let spots = spots(levels.iter().map(Vec::as_slice));
     let outers: Vec<Ellipse> = spots.iter().map(|spot| spot[0].outer).collect();
+    let (frame, sign) = (scales.frame, scales.sign);
     let measured = first_to_measure(board, &outers)
         .into_par_iter()
         .filter_map(|at| {
@@ -39,15 +36,17 @@ pub(super) fn find_rings(frame: &Frame, board: &Board, sign: f64, care: Care) ->
 
 /// The rings given and, where none of them is, discs so blurred that they may be rings whose inner disc has drowned.
 pub(super) fn add_drowned(
-    frame: &Frame,
+    scales: &mut Scales,
     board: &Board,
     rings: Vec<RingFit>,
-    sign: f64,
     care: Care,
 ) -> Vec<RingFit> {
     let ratio = board.radius_ratio();
     let mut outlines: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
-    outlines.extend(over_levels(frame, sign, disc_candidates).concat());
+    for level in 0..scales.count() {
+        outlines.extend(scales.discs(level));
+    }
+    let (frame, sign) = (scales.frame, scales.sign);
     let discs: Vec<RingFit> = first_to_measure(board, &outlines)
         .into_par_iter()
         .filter(|&at| at >= rings.len())
@@ -63,11 +62,13 @@ pub(super) fn add_drowned(
 }
 
 /// The candidates of all levels, those of one ring together: most rings show at two or three levels.
-fn spots(levels: Vec<Vec<RingEllipses>>) -> Vec<Vec<RingEllipses>> {
+pub(super) fn spots<'a>(
+    levels: impl Iterator<Item = &'a [RingEllipses]>,
+) -> Vec<Vec<RingEllipses>> {
     let mut spots: Vec<Vec<RingEllipses>> = Vec::new();
     for level in levels {
         let known = Nearby::new(spots.iter().map(|spot| spot[0].outer.centre));
-        for ring in level {
+        for &ring in level {
             let mut near = known.within(ring.outer.centre, SAME_PLACE * ring.outer.major);
             let same = near.find(|&(at, _)| is_same(&spots[at][0].outer, &ring.outer));
             match same {
@@ -102,30 +103,6 @@ fn first_to_measure(board: &Board, outers: &[Ellipse]) -> Vec<usize> {
     order.extend(rest);
     order.truncate(most);
     order
-}
-
-/// What `find` sees at every level of the frame's pyramid, level by level.
-fn over_levels<C>(
-    frame: &Frame,
-    sign: f64,
-    find: impl Fn(&BandPass, Level) -> Vec<C>,
-) -> Vec<Vec<C>> {
-    let band = match &frame.pixels {
-        Pixels::U8(plane) => BandPass::of(plane, sign as f32),
-        Pixels::U16(plane) => BandPass::of(plane, sign as f32),
-    };
-    let mut found = vec![find(&band, Level(0))];
-    let mut picture = half_of_frame(frame);
-    let mut level = 1;
-    while let Some(plane) = picture {
-        if plane.width().min(plane.height()) < LEAST_SIDE_PX {
-            break;
-        }
-        found.push(find(&BandPass::of(&plane, sign as f32), Level(level)));
-        picture = half(&plane);
-        level += 1;
-    }
-    found
 }
 
 /// Keeps the best of the rings that lie on one another (a ring shows at two or three levels).

@@ -7,6 +7,7 @@ use super::grid::Placed;
 use super::patch::patch;
 use super::ring_fit::{Care, RingFit};
 use super::rings::{add_drowned, find_rings};
+use super::scales::Scales;
 use crate::board::Board;
 use crate::centre::photometric::{
     BoardPlace, BoardStart, RingError, RingFitted, RingStart, Seen, Workspace, measure_ring,
@@ -28,9 +29,10 @@ pub(super) fn find_single(
     sign: f64,
 ) -> Result<Detection, Miss> {
     let ratio = board.radius_ratio();
-    let mut rings = find_rings(frame, board, sign, Care::Edges);
+    let mut scales = Scales::new(frame, sign, ratio);
+    let mut rings = find_rings(&mut scales, board, Care::Edges);
     if rings.is_empty() {
-        rings = add_drowned(frame, board, rings, sign, Care::Edges);
+        rings = add_drowned(&mut scales, board, rings, Care::Edges);
     }
     let size = |r: &RingFit| r.contrast * r.outer.major * r.outer.minor;
     rings.sort_by(|a, b| size(b).total_cmp(&size(a)));

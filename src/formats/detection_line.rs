@@ -1,6 +1,7 @@
 //! One line of `ringcal detect`: JSON for programs, text for people.
 
 use crate::detect::{Detection, Ring};
+use crate::frame::Stamp;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -9,6 +10,12 @@ use std::fmt::Write;
 pub struct DetectionLine {
     /// The path as it was given.
     pub image: String,
+    /// For a frame of a bag its number on the topic, from 0; an image file has no such key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<u64>,
+    /// For a frame of a bag the time in its header; an image file has no such key.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stamp: Option<StampLine>,
     /// Whether the board was found.
     pub found: bool,
     /// Width, px; `None` where the file could not be read.
@@ -29,6 +36,15 @@ pub struct DetectionLine {
     /// the JSON line.
     #[serde(skip)]
     pub notes: Vec<String>,
+}
+
+/// A time, as builtin_interfaces/msg/Time has it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct StampLine {
+    /// Whole seconds.
+    pub sec: i32,
+    /// Nanoseconds within the second.
+    pub nanosec: u32,
 }
 
 /// One ring of a [`DetectionLine`].
@@ -69,6 +85,8 @@ impl DetectionLine {
     pub fn found(image: String, detection: &Detection, elapsed_ms: f64) -> Self {
         Self {
             image,
+            frame: None,
+            stamp: None,
             found: true,
             width: Some(detection.width),
             height: Some(detection.height),
@@ -95,6 +113,8 @@ impl DetectionLine {
     pub fn unreadable(image: String, reason: String) -> Self {
         Self {
             image,
+            frame: None,
+            stamp: None,
             found: false,
             width: None,
             height: None,
@@ -104,6 +124,20 @@ impl DetectionLine {
             points: Vec::new(),
             reason: Some(reason),
             notes: Vec::new(),
+        }
+    }
+
+    /// The same of a message of a bag: its number on the topic and the time in its header, where that could be read.
+    #[must_use]
+    pub fn of_message(self, number: u64, stamp: Option<Stamp>) -> Self {
+        let line = |stamp: Stamp| StampLine {
+            sec: stamp.sec,
+            nanosec: stamp.nanosec,
+        };
+        Self {
+            frame: Some(number),
+            stamp: stamp.map(line),
+            ..self
         }
     }
 
@@ -117,20 +151,23 @@ impl DetectionLine {
 
     /// The same for people: a line on the image, then one for each ring.
     pub fn text(&self) -> String {
-        let mut text = match (&self.reason, self.blur_sigma, self.elapsed_ms) {
-            (None, Some(blur), Some(ms)) => format!(
-                "{}: {} rings, blur sigma {blur:.1} px, {ms:.1} ms",
-                self.image,
-                self.points.len()
-            ),
-            (reason, ..) => format!(
-                "{}: {}",
-                self.image,
-                reason.as_deref().unwrap_or("no board")
-            ),
+        let mut text = self.image.clone();
+        // writing to a String does not fail
+        let _ = match (self.frame, self.stamp) {
+            (Some(number), Some(at)) => {
+                write!(text, ": frame {number} at {}.{:09}", at.sec, at.nanosec)
+            }
+            (Some(number), None) => write!(text, ": frame {number}"),
+            (None, _) => Ok(()),
+        };
+        let _ = match (&self.reason, self.blur_sigma, self.elapsed_ms) {
+            (None, Some(blur), Some(ms)) => {
+                let rings = self.points.len();
+                write!(text, ": {rings} rings, blur sigma {blur:.1} px, {ms:.1} ms")
+            }
+            (reason, ..) => write!(text, ": {}", reason.as_deref().unwrap_or("no board")),
         };
         for note in &self.notes {
-            // writing to a String does not fail
             let _ = write!(text, "\n  {note}");
         }
         for p in &self.points {
@@ -160,5 +197,23 @@ mod tests {
         assert_eq!(value["reason"], "not an image");
         assert!(value["width"].is_null());
         assert_eq!(line.text(), "a.png: not an image");
+        assert!(value.get("frame").is_none() && value.get("stamp").is_none());
+    }
+
+    #[test]
+    fn a_frame_of_a_bag_has_its_number_and_its_time() {
+        let (sec, nanosec) = (12, 500_000_000);
+        let line = DetectionLine::unreadable("drive".into(), "too dark".into())
+            .of_message(7, Some(Stamp { sec, nanosec }));
+        let value: serde_json::Value = serde_json::from_str(&line.json().unwrap()).unwrap();
+        assert_eq!(
+            (&value["image"], &value["frame"]),
+            (&"drive".into(), &7.into())
+        );
+        assert_eq!(
+            value["stamp"],
+            serde_json::json!({"sec": 12, "nanosec": 500_000_000})
+        );
+        assert_eq!(line.text(), "drive: frame 7 at 12.500000000: too dark");
     }
 }

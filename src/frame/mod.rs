@@ -10,12 +10,16 @@ mod linear;
 mod luma;
 mod plane;
 mod pyramid;
+mod thumbnail;
+mod vectors;
 
 pub use compressed::DecodeError;
 pub use encoding::{FrameError, RawImage};
 pub use linear::Linear;
 pub use plane::{Pixel, Plane};
-pub use pyramid::{Level, half, half_of_frame};
+pub use pyramid::{Level, half, half_of_frame, quarter_of_frame};
+pub use thumbnail::Thumbnail;
+pub(crate) use vectors::widest;
 
 /// The pixels of a frame in the depth they came in.
 #[derive(Debug, Clone, PartialEq)]

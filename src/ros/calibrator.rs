@@ -11,7 +11,7 @@ use crate::board::Board;
 use crate::calibrate::{Calibration, Estimate};
 use crate::camera::Camera;
 use crate::detect::{Detection, Indices};
-use crate::session::{Session, View};
+use crate::session::{Offer, Session};
 use std::time::Duration;
 
 /// The parameters together with the board they name.
@@ -111,16 +111,20 @@ impl Calibrator {
         self.status.frames_processed += 1;
         self.status.processing_time = processing.as_secs_f64();
         self.status.board_found = found.is_ok();
+        let (frame_id, stamp) = (&frame.header.frame_id, frame.header.stamp.into());
+        let board = found.as_ref().copied();
+        let offer = self.session.observe(frame_id, stamp, board).ok();
         match found {
             Ok(detection) => {
                 self.status.blur_sigma = detection.blur_sigma_px();
-                self.offer(frame, detection);
+                if let Some(offer) = offer {
+                    self.offered(&offer, detection);
+                }
                 self.centres(frame, detection)
             }
             Err(reason) => {
                 self.status.blur_sigma = 0.0;
                 self.status.guidance.clone_from(&reason);
-                self.session.missed();
                 self.no_centres(frame, reason)
             }
         }
@@ -141,10 +145,8 @@ impl Calibrator {
         self.no_centres(frame, reason)
     }
 
-    fn offer(&mut self, frame: &FrameFacts, detection: &Detection) {
-        let stamp = frame.header.stamp.into();
-        let view = View::of_message(&frame.header.frame_id, stamp, detection);
-        let offer = self.session.offer(view);
+    /// Says what became of a frame with the board.
+    fn offered(&mut self, offer: &Offer, detection: &Detection) {
         let restarted = offer.restart.is_some();
         if restarted {
             self.forget();

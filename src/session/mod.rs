@@ -19,6 +19,7 @@ mod coverage;
 mod guidance;
 mod measures;
 mod motion;
+mod repeats;
 mod rules;
 mod variety;
 mod view;
@@ -28,12 +29,15 @@ pub use coverage::Coverage;
 pub use guidance::{Guidance, LeastCertain};
 pub use measures::{Measures, Progress};
 pub use motion::{Motion, motion};
+pub use repeats::Repeats;
 pub use rules::{Change, Offer, OnChange, SessionRules, Verdict};
 pub use view::View;
 
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Estimate, NEEDED_RINGS, Told};
 use crate::calibrate::{focal_length_px, plane_normal};
+use crate::detect::Detection;
+use crate::frame::Stamp;
 use choice::{Choice, Decision};
 use nalgebra::Vector3;
 
@@ -132,6 +136,26 @@ impl Session {
     /// Says that a frame showed no board: the next one with a board has nothing to be still against.
     pub fn missed(&mut self) {
         self.before = None;
+    }
+
+    /// Takes in a frame of a stream, with the board or without: what the node does with every message of its topic, and the
+    /// command line with every message of a bag.
+    ///
+    /// # Errors
+    /// Why there is no board, as it was handed in.
+    pub fn observe<E>(
+        &mut self,
+        frame_id: &str,
+        stamp: Stamp,
+        found: Result<&Detection, E>,
+    ) -> Result<Offer, E> {
+        match found {
+            Ok(detection) => Ok(self.offer(View::of_message(frame_id, stamp, detection))),
+            Err(reason) => {
+                self.missed();
+                Err(reason)
+            }
+        }
     }
 
     /// Offers a frame in which the board was found; it is kept where it is of the same camera, still and new, and tells

@@ -1,7 +1,7 @@
 //! Poses for a calibration: tilted every way, near and far, all over the frame, every ring inside it.
 
 use crate::board::Board;
-use crate::camera::{Camera, Pose};
+use crate::camera::{Camera, LensModel, Pose};
 use nalgebra::{Point2, Rotation3, Vector2, Vector3};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -36,7 +36,8 @@ pub enum ViewsError {
     },
 }
 
-/// `count` poses in which the camera sees the whole board, tilted by up to `max_tilt_rad` against the optical axis; the same
+/// `count` poses in which the camera sees the whole board, tilted by up to `max_tilt_rad` against the optical axis (before a fisheye,
+/// against the ray to the board); the same
 /// seed gives the same poses. Columns run roughly along image +x.
 ///
 /// # Errors
@@ -99,18 +100,37 @@ impl Wish {
             let pull = (1.0 - 0.1 * f64::from(attempt)).max(0.0);
             let free = 0.5 * (frame - self.extent_px(camera, board, outline, depth_m)?);
             let target = middle + self.offset.component_mul(&free) * pull;
-            if let Some(ray) = camera.unproject(&target) {
-                let to_middle = Vector3::new(ray.x, ray.y, 1.0) * depth_m;
-                let pose = self.with_middle_at(board, to_middle);
-                if fits(camera, &pose, outline) {
-                    return Some(pose);
-                }
+            if let Some(pose) = self.towards(camera, board, &target, depth_m)
+                && fits(camera, &pose, outline)
+            {
+                return Some(pose);
             }
             if pull < 0.5 {
                 fill *= 0.95;
             }
         }
         None
+    }
+
+    /// The pose at which the middle of the board is seen at a pixel. Before a fisheye the board is turned towards the camera first:
+    /// far from the axis one that is frontal to the axis is seen edge on.
+    fn towards(
+        &self,
+        camera: &Camera,
+        board: &Board,
+        target: &Point2<f64>,
+        depth_m: f64,
+    ) -> Option<Pose> {
+        if camera.model() != LensModel::Equidistant {
+            let ray = camera.unproject(target)?;
+            return Some(self.with_middle_at(board, Vector3::new(ray.x, ray.y, 1.0) * depth_m));
+        }
+        let ray = camera.ray(target)?;
+        let turned = Self {
+            rotation: Rotation3::rotation_between(&Vector3::z(), &ray)? * self.rotation,
+            ..*self
+        };
+        Some(turned.with_middle_at(board, ray * depth_m))
     }
 
     /// The pose at which the middle of the board is there.
@@ -206,6 +226,9 @@ fn fits(camera: &Camera, pose: &Pose, outline: &[[f64; 2]]) -> bool {
     let margin = MARGIN * width.min(height);
     outline.iter().all(|point_m| {
         let point = pose.board_to_camera(*point_m);
+        if point.z <= 0.0 {
+            return false;
+        }
         let ideal = Point2::new(point.x / point.z, point.y / point.z);
         let one_to_one = || {
             let jacobian = camera.distortion.jacobian(&ideal);

@@ -105,7 +105,9 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     let camera = board
         .camera
         .unwrap_or_else(|| blank(frame.width(), frame.height()));
-    if let (_, Some(map)) = share(board, &rings, &camera)
+    let has_edge = |ring: &Under| ring.fitted.is_ok_and(|f| f.model.sheet.is_some());
+    if rings.iter().any(has_edge)
+        && let (_, Some(map)) = share(board, &rings, &camera)
         && mend(frame, board, &mut rings, &map)
     {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);

@@ -10,9 +10,13 @@
 
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
+use std::ops::{Add, Mul, Neg, Sub};
 
 /// Fewest and most nodes of an outline.
 const NODES: (f64, f64) = (24.0, 20_000.0);
+
+/// Their number is a multiple of this, so that it hardly ever changes during a fit: what little the rule is wrong by changes with it.
+const STEP: f64 = 8.0;
 
 /// A point of an outline with its share of the integrals, in pixels of a window's grid.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -46,13 +50,13 @@ pub(super) fn trace(
     );
     let middle = ellipse.centre - shape.centre;
     let length = std::f64::consts::TAU * ellipse.major * scale;
-    let count = (length / spacing).ceil().clamp(NODES.0, NODES.1);
+    let count = (length / spacing / STEP).ceil() * STEP;
+    let count = count.clamp(NODES.0, NODES.1);
     let step = std::f64::consts::TAU / count;
     // s = m^T M m + a^2 of the completed square
     let (_, l) = shape.quadric(radius);
     let s = square - l.dot(&middle);
     let share = ellipse.major * ellipse.minor / (2.0 * s) * step * scale * scale;
-    let [xx, xy, yy] = shape.affine;
     let q = shape.perspective;
     let (turn_sin, turn_cos) = step.sin_cos();
     let (mut c, mut w) = (1.0_f64, 0.0_f64);
@@ -63,16 +67,7 @@ pub(super) fn trace(
             middle.y + major[1] * c + minor[1] * w,
         );
         let rise = minor[1] * c - major[1] * w;
-        let depth = 2.0 * square * (1.0 - q.x * x - q.y * y);
-        let by_parameter = [
-            -2.0 * (xx * x + xy * y) - depth * q.x,
-            -2.0 * (xy * x + yy * y) - depth * q.y,
-            x * x,
-            2.0 * x * y,
-            y * y,
-            depth * x,
-            depth * y,
-        ];
+        let by_parameter = by_shape(shape.affine, [q.x, q.y], 2.0 * square, [x, y]);
         nodes.push(Node {
             x: ((x + shape.centre.x - grid.left_px) * scale) as f32,
             y: ((y + shape.centre.y - grid.top_px) * scale) as f32,
@@ -82,4 +77,31 @@ pub(super) fn trace(
         (c, w) = (c * turn_cos - w * turn_sin, w * turn_cos + c * turn_sin);
     }
     Some(())
+}
+
+/// Changes of Q by each parameter at a place (x, y) about the ring's centre; `squares` is twice the square of the circle's radius.
+#[inline(always)]
+fn by_shape<T>([xx, xy, yy]: [T; 3], [qx, qy]: [T; 2], squares: T, [x, y]: [T; 2]) -> [T; 7]
+where
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Neg<Output = T>,
+{
+    let depth = squares - squares * (qx * x + qy * y);
+    let (mx, my) = (xx * x + xy * y, xy * x + yy * y);
+    [
+        -(mx + mx) - depth * qx,
+        -(my + my) - depth * qy,
+        x * x,
+        x * y + x * y,
+        y * y,
+        depth * x,
+        depth * y,
+    ]
+}
+
+/// Changes of Q by each parameter of a shape, for its circle of `radius` (in outer radii), at a place (px of the frame about its centre).
+#[inline(always)]
+pub(super) fn sweeps(shape: &Shape, radius: f64, at: [f32; 2]) -> [f32; SHAPE_PARAMETERS] {
+    let affine = shape.affine.map(|v| v as f32);
+    let q = [shape.perspective.x as f32, shape.perspective.y as f32];
+    by_shape(affine, q, (2.0 * radius * radius) as f32, at)
 }

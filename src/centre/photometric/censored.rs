@@ -5,7 +5,7 @@
 //! that of one pixel times lambda (lambda - a).
 
 use super::coverage::{COVERAGE_PARAMETERS, Coverage};
-use super::model::{BLUR, PARAMETERS, RING_PARAMETERS, RingModel, Row, SHEET};
+use super::model::{BLUR, PARAMETERS, RING_PARAMETERS, RingModel, Rows, SHEET};
 use super::problem::Problem;
 use super::sheet::SheetRow;
 use super::window::{End, Grid};
@@ -34,7 +34,7 @@ impl<'a> Censored<'a> {
     /// Fills in derivatives and residuals of the censored pixels of one row (given by its span of indices) so that their products
     /// are the likelihood's gradient and curvature. Returns what is missing in the sum of squares: -2 s^2 ln likelihood less
     /// the squares of these residuals.
-    pub(super) fn patch(&self, span: Range<usize>, out: &mut Row) -> f64 {
+    pub(super) fn patch(&self, span: Range<usize>, out: &mut Rows) -> f64 {
         let noise = self.problem.noise.max(LEAST_NOISE);
         let pixels = &self.problem.window.censored;
         let first = pixels.partition_point(|&(at, _)| at < span.start);
@@ -53,10 +53,8 @@ impl<'a> Censored<'a> {
             let (log_likelihood, mills) = beyond(a);
             let curvature = (mills * (mills - a)).clamp(1e-12, 1.0).sqrt();
             let residual = sign * noise * mills / curvature;
-            for (k, derivative) in pixel.derivatives[..out.parameters].iter().enumerate() {
-                out.data[k * out.stride + i] = (derivative * curvature) as f32;
-            }
-            out.residuals_mut().0[i] = residual as f32;
+            let derivatives = pixel.derivatives.map(|derivative| derivative * curvature);
+            out.set_pixel(i, &derivatives[..out.parameters], residual);
             missing -= 2.0 * noise * noise * log_likelihood + residual * residual;
         }
         missing

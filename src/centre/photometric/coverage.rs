@@ -9,8 +9,9 @@
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
 use super::disc::Disc;
-use super::gaussian::Gaussian;
+use super::gaussian::{Gaussian, LEAST_SIGMA};
 use super::shape::{SHAPE_PARAMETERS, Shape};
+use super::sharp::{self, SharpCircle};
 use super::window::Grid;
 
 /// Pixels that are computed at once; rows are padded to whole multiples.
@@ -47,8 +48,8 @@ pub(super) struct Coverage {
 struct Room {
     /// What the pixels to the right of the stamps that end before a vector get, of the sum and of its change; row by row.
     beyond: Vec<[f32; 2]>,
-    /// The nodes whose stamps reach a strip.
-    strip: Vec<usize>,
+    /// The nodes in the order in which their stamps begin.
+    order: Vec<usize>,
 }
 
 impl Coverage {
@@ -92,11 +93,22 @@ impl Coverage {
                 radius,
             };
             let planes = (&mut self.circles[circle], &mut self.changes);
+            let sharp = (psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA)
+                .then(|| SharpCircle::new(grid, shape, radius, kernel_size.max(LEAST_SIGMA)));
+            if let Some(sharp) = sharp.flatten() {
+                sharp.cover(grid, planes, contrast);
+                continue;
+            }
             match psf {
                 Psf::Gaussian => {
                     outline.cover(&mut self.gaussian, kernel_size, planes, contrast)?
                 }
-                Psf::Disc => outline.cover(&mut self.disc, kernel_size, planes, contrast)?,
+                Psf::Disc => {
+                    let spacing = Disc::spacing(kernel_size);
+                    trace(outline.nodes, grid, shape, radius, spacing)?;
+                    let disc = (grid, outline.nodes.as_slice(), kernel_size);
+                    self.disc.cover(disc, planes, contrast);
+                }
             }
         }
         if growth != 1.0 && contrasts.is_some() {
@@ -119,6 +131,8 @@ pub(super) struct Stamp {
 pub(super) trait Kernel {
     /// One row of a node's stamp.
     type Row: Copy;
+    /// A node's part in one vector of pixels.
+    type Part: Copy;
 
     /// How close the nodes of an outline must be for a kernel of this size, both in pixels of the grid.
     fn spacing(size: f64) -> f64;
@@ -129,14 +143,17 @@ pub(super) trait Kernel {
     /// The stamps, one for each node; all of them are equally high where the window does not cut them off.
     fn stamps(&self) -> &[Stamp];
 
-    /// Row `i` of the window in a stamp that reaches it.
-    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row;
+    /// Row `at` of the kernel's table.
+    fn row(&self, at: usize) -> Self::Row;
 
-    /// Sum of the kernel from the left over a vector of pixels.
-    fn sum(&self, row: &Self::Row, node: &Node, j: usize, vector: usize) -> Lanes;
+    /// What a node lays on a vector of pixels, as far as it is the same in all rows.
+    fn part(&self, node: &Node, j: usize, vector: usize) -> Self::Part;
 
-    /// Sum from the left, the kernel itself, and the change of the sum by the blur's size.
-    fn all(&self, row: &Self::Row, node: &Node, j: usize, vector: usize) -> [Lanes; 3];
+    /// Sum of the kernel from the left over a vector of pixels, times the node's rise.
+    fn sum(&self, row: &Self::Row, part: &Self::Part) -> Lanes;
+
+    /// Sum from the left, the kernel itself, and the change of the sum by the blur's size; sums times the node's rise.
+    fn all(&self, row: &Self::Row, part: &Self::Part) -> [Lanes; 3];
 
     /// What every pixel beyond the stamp gets: of the sum, and of its change.
     fn beyond(&self, row: &Self::Row) -> [f32; 2];
@@ -182,15 +199,15 @@ impl Outline<'_> {
         trace(nodes, grid, self.shape, self.radius, K::spacing(size))?;
         kernel.prepare(grid, nodes, size);
         self.room.sum_beyond(kernel, nodes, grid);
+        let mut strip = Strip {
+            kernel: &*kernel,
+            grid,
+            beyond: &self.room.beyond,
+            laid: Vec::new(),
+            vector: 0,
+        };
         for vector in 0..grid.stride() / LANES {
-            self.room.collect(kernel.stamps(), vector);
-            let strip = Strip {
-                kernel,
-                nodes,
-                grid,
-                room: self.room,
-                vector,
-            };
+            strip.collect(nodes, &self.room.order, vector);
             match contrast {
                 None => strip.lay_sums(values),
                 Some(contrast) => strip.lay_all(values, changes, contrast),
@@ -201,16 +218,18 @@ impl Outline<'_> {
 }
 
 impl Room {
-    /// Adds up what pixels beyond the stamps get.
+    /// Sorts the nodes and adds up what pixels beyond the stamps get.
     #[inline(always)]
     fn sum_beyond<K: Kernel>(&mut self, kernel: &K, nodes: &[Node], grid: &Grid) {
         let vectors = grid.stride() / LANES;
         self.beyond.clear();
         self.beyond.resize((vectors + 1) * grid.height, [0.0; 2]);
-        for (node, stamp) in nodes.iter().zip(kernel.stamps()) {
-            for i in stamp.rows.0..stamp.rows.1 {
-                let [sum, change] = kernel.beyond(&kernel.row(stamp, i));
-                let at = &mut self.beyond[i * (vectors + 1) + stamp.vectors.1];
+        let stamps = kernel.stamps();
+        for (node, stamp) in nodes.iter().zip(stamps) {
+            let (first, past) = stamp.rows;
+            for (i, row) in (first..past).enumerate() {
+                let [sum, change] = kernel.beyond(&kernel.row(stamp.table + i));
+                let at = &mut self.beyond[row * (vectors + 1) + stamp.vectors.1];
                 at[0] += node.rise * sum;
                 at[1] += node.rise * change;
             }
@@ -222,67 +241,91 @@ impl Room {
                 *at = total;
             }
         }
+        self.order.clear();
+        self.order
+            .extend((0..stamps.len()).filter(|&j| stamps[j].rows.0 < stamps[j].rows.1));
+        self.order.sort_unstable_by_key(|&j| (stamps[j].rows, j));
     }
+}
 
-    /// The nodes whose stamps reach a vector of pixels, in the order of their first rows.
-    fn collect(&mut self, stamps: &[Stamp], vector: usize) {
-        let reaches = |stamp: &Stamp| {
-            stamp.vectors.0 <= vector && vector < stamp.vectors.1 && stamp.rows.0 < stamp.rows.1
-        };
-        self.strip.clear();
-        let all = stamps.iter().enumerate();
-        self.strip
-            .extend(all.filter(|(_, stamp)| reaches(stamp)).map(|(j, _)| j));
-        self.strip.sort_unstable_by_key(|&j| (stamps[j].rows, j));
-    }
+/// A node whose stamp reaches a strip.
+#[derive(Clone, Copy)]
+struct Laid<P> {
+    /// Its rows in the window.
+    rows: (usize, usize),
+    /// What leads from a row of the window to the row of the kernel's table (it may wrap around).
+    table: usize,
+    part: P,
+    sweep: [f32; SHAPE_PARAMETERS],
 }
 
 /// One vector wide, as high as the window.
-struct Strip<'a, K> {
+struct Strip<'a, K: Kernel> {
     kernel: &'a K,
-    nodes: &'a [Node],
     grid: &'a Grid,
-    room: &'a Room,
+    beyond: &'a [[f32; 2]],
     vector: usize,
+    /// The nodes that reach it, in the order of their first rows.
+    laid: Vec<Laid<K::Part>>,
 }
 
 impl<K: Kernel> Strip<'_, K> {
+    /// Moves to a vector of pixels.
+    #[inline(always)]
+    fn collect(&mut self, nodes: &[Node], order: &[usize], vector: usize) {
+        let stamps = self.kernel.stamps();
+        self.vector = vector;
+        self.laid.clear();
+        for &j in order {
+            let (stamp, node) = (&stamps[j], &nodes[j]);
+            if stamp.vectors.0 <= vector && vector < stamp.vectors.1 {
+                self.laid.push(Laid {
+                    rows: stamp.rows,
+                    table: stamp.table.wrapping_sub(stamp.rows.0),
+                    part: self.kernel.part(node, j, vector),
+                    sweep: node.sweep,
+                });
+            }
+        }
+    }
+
     /// Calls `visit` with every row that is not empty: where it is in a plane, the nodes that reach it, and what lies beyond others.
     #[inline(always)]
-    fn for_each_row(&self, mut visit: impl FnMut(usize, usize, &[usize], [f32; 2])) {
-        let (stamps, strip) = (self.kernel.stamps(), &self.room.strip);
+    fn for_each_row(&self, mut visit: impl FnMut(usize, usize, &[Laid<K::Part>], [f32; 2])) {
         let stride = self.grid.stride();
         let vectors = stride / LANES;
         let (mut first, mut past) = (0, 0);
         for i in 0..self.grid.height {
-            while past < strip.len() && stamps[strip[past]].rows.0 <= i {
+            while past < self.laid.len() && self.laid[past].rows.0 <= i {
                 past += 1;
             }
-            while first < past && stamps[strip[first]].rows.1 <= i {
+            while first < past && self.laid[first].rows.1 <= i {
                 first += 1;
             }
-            let beyond = self.room.beyond[i * (vectors + 1) + self.vector];
+            let beyond = self.beyond[i * (vectors + 1) + self.vector];
             if first < past || beyond != [0.0; 2] {
                 let at = i * stride + self.vector * LANES;
-                visit(i, at, &strip[first..past], beyond);
+                visit(i, at, &self.laid[first..past], beyond);
             }
         }
     }
 
     #[inline(always)]
     fn lay_sums(&self, values: &mut Plane) {
-        let (kernel, stamps) = (self.kernel, self.kernel.stamps());
-        self.for_each_row(|i, at, strip, beyond| {
-            let mut total = [beyond[0]; LANES];
-            for &j in strip {
-                let node = &self.nodes[j];
-                let sum = kernel.sum(&kernel.row(&stamps[j], i), node, j, self.vector);
-                for l in 0..LANES {
-                    total[l] += node.rise * sum[l];
+        self.for_each_row(
+            #[inline(always)]
+            |i, at, laid, beyond| {
+                let mut total = [beyond[0]; LANES];
+                for node in laid {
+                    let row = self.kernel.row(node.table.wrapping_add(i));
+                    let sum = self.kernel.sum(&row, &node.part);
+                    for l in 0..LANES {
+                        total[l] += sum[l];
+                    }
                 }
-            }
-            add(&mut values[at..at + LANES], 1.0, &total);
-        });
+                add(&mut values[at..at + LANES], 1.0, &total);
+            },
+        );
     }
 
     #[inline(always)]
@@ -292,35 +335,33 @@ impl<K: Kernel> Strip<'_, K> {
         changes: &mut [Plane; COVERAGE_PARAMETERS],
         contrast: f32,
     ) {
-        let (kernel, stamps) = (self.kernel, self.kernel.stamps());
-        self.for_each_row(|i, at, strip, beyond| {
-            let mut total = [beyond[0]; LANES];
-            let mut by_blur = [beyond[1]; LANES];
-            let mut by_shape = [[0.0_f32; LANES]; SHAPE_PARAMETERS];
-            for &j in strip {
-                let node = &self.nodes[j];
-                let row = kernel.row(&stamps[j], i);
-                let [sum, share, change] = kernel.all(&row, node, j, self.vector);
-                for l in 0..LANES {
-                    total[l] += node.rise * sum[l];
-                    by_blur[l] += node.rise * change[l];
-                }
-                for (by, sweep) in by_shape.iter_mut().zip(&node.sweep) {
+        self.for_each_row(
+            #[inline(always)]
+            |i, at, laid, beyond| {
+                let mut total = [beyond[0]; LANES];
+                let mut by_blur = [beyond[1]; LANES];
+                let mut by_shape = [[0.0_f32; LANES]; SHAPE_PARAMETERS];
+                for node in laid {
+                    let row = self.kernel.row(node.table.wrapping_add(i));
+                    let [sum, share, change] = self.kernel.all(&row, &node.part);
                     for l in 0..LANES {
-                        by[l] += sweep * share[l];
+                        total[l] += sum[l];
+                        by_blur[l] += change[l];
+                    }
+                    for (by, sweep) in by_shape.iter_mut().zip(&node.sweep) {
+                        for l in 0..LANES {
+                            by[l] += sweep * share[l];
+                        }
                     }
                 }
-            }
-            add(&mut values[at..at + LANES], 1.0, &total);
-            for (plane, by) in changes.iter_mut().zip(&by_shape) {
-                add(&mut plane[at..at + LANES], contrast, by);
-            }
-            add(
-                &mut changes[SHAPE_PARAMETERS][at..at + LANES],
-                contrast,
-                &by_blur,
-            );
-        });
+                add(&mut values[at..at + LANES], 1.0, &total);
+                for (plane, by) in changes.iter_mut().zip(&by_shape) {
+                    add(&mut plane[at..at + LANES], contrast, by);
+                }
+                let by_size = &mut changes[SHAPE_PARAMETERS][at..at + LANES];
+                add(by_size, contrast, &by_blur);
+            },
+        );
     }
 }
 

@@ -4,154 +4,298 @@
 //! pixel's width rounds off at both corners. Over the pixel's height it is averaged by three chords: Gauss-Legendre, where the disc's rim
 //! lies in the pixel in the square root of the distance from it, because chords begin like one; Gauss-Chebyshev where the
 //! whole disc lies in it.
+//!
+//! A rounded ramp changes its slope in three pixels and is straight again. So of each end of a chord only the moments of where in a
+//! pixel it lies are laid, in that one pixel. Second differences of the sum follow from them, and first differences of what goes
+//! with its slope; sums along the rows, once for all nodes, make pictures of these.
 
 use super::boundary::Node;
-use super::coverage::{Kernel, LANES, Lanes, Stamp, touched};
+use super::coverage::{COVERAGE_PARAMETERS, Lanes, Plane};
+use super::shape::SHAPE_PARAMETERS;
 use super::window::Grid;
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_4};
 
-/// Distance of nodes in pixels of the grid, from small discs to large ones, and the radius from which one is large.
-const SPACING: (f64, f64) = (0.03, 0.5);
-const LARGE: f64 = 4.0;
-/// Gauss-Legendre on [-1, 1]: places and weights over two.
-const HEIGHTS: [(f32, f32); 3] = [
+/// Distance of nodes in pixels of the grid: so much, and so much more for each pixel of the radius; and at most. A pixel is then wrong by
+/// 1e-3 of the contrast at most and 2e-4 usually, a centre by less than 1e-4 px.
+const SPACING: (f64, f64, f64) = (0.06, 0.1, 0.4);
+/// Gauss-Legendre on [-1, 1]: places and weights over two. (A fourth that weighs nothing fills a vector.)
+const HEIGHTS: [(f32, f32); 4] = [
     (-0.774_596_7, 5.0 / 18.0),
     (0.0, 8.0 / 18.0),
     (0.774_596_7, 5.0 / 18.0),
+    (0.0, 0.0),
 ];
 /// Gauss-Chebyshev of the second kind: places and weights for chords.
-const WHOLE: [(f32, f32); 3] = [
+const WHOLE: [(f32, f32); 4] = [
     (-FRAC_1_SQRT_2, FRAC_PI_4 * FRAC_1_SQRT_2),
     (0.0, FRAC_PI_4),
     (FRAC_1_SQRT_2, FRAC_PI_4 * FRAC_1_SQRT_2),
+    (0.0, 0.0),
 ];
 
 /// A disc over a window.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Disc {
     radius: f32,
-    stamps: Vec<Stamp>,
-    /// The chords of each row, node after node.
-    rows: Vec<[Chord; 3]>,
+    /// Moments of the chords' ends in each pixel: 0, 1 and 2, for the sums.
+    bends: Vec<[f32; 4]>,
+    /// Moments 1 and 0 for the changes by the shape's parameters, then for the part by the radius.
+    steps: Vec<[Lanes; 2]>,
 }
 
-/// A chord of the disc: half its width, and its share of the pixel's height over the disc's area.
-type Chord = (f32, f32);
+/// Chords that stand for a pixel's height: half their widths, and their shares of the height over the disc's area.
+#[derive(Clone, Copy)]
+struct Chords {
+    half_widths: [f32; 4],
+    shares: [f32; 4],
+    /// Changes of the half widths by the radius.
+    growths: [f32; 4],
+}
+
+/// So many of them.
+const CHORDS: usize = 3;
+/// A column before the window for what begins there, and columns behind it for what lies there.
+const BEFORE: usize = 1;
+const MARGIN: usize = 3;
 
 impl Disc {
-    /// The chords that stand for a pixel's height about `y` from the disc's middle.
-    #[inline(always)]
-    fn chords(&self, y: f32) -> [Chord; 3] {
-        let radius = self.radius;
-        let scale = 1.0 / (std::f32::consts::PI * radius * radius);
-        let chord = |v: f32, weight: f32| {
-            let half_width = (radius * radius - v * v).max(0.0).sqrt();
-            (half_width, weight * scale)
-        };
-        let (first, last) = (y - 0.5, y + 0.5);
-        match (first < -radius, last > radius) {
-            (true, true) => WHOLE.map(|(place, weight)| chord(radius * place, radius * weight)),
-            (false, false) => HEIGHTS.map(|(place, weight)| chord(y + 0.5 * place, weight)),
-            (low, _) => {
-                let length = if low { last + radius } else { radius - first };
-                HEIGHTS.map(|(place, weight)| {
-                    let u = 0.5 * (1.0 + place);
-                    let v = radius - length * u * u;
-                    chord(if low { -v } else { v }, 2.0 * length * u * weight)
-                })
-            }
-        }
+    /// How close the nodes of an outline must be for a disc of this radius, both in pixels of the grid.
+    pub(super) fn spacing(radius: f64) -> f64 {
+        let (least, by_radius, most) = SPACING;
+        (least + by_radius * radius).min(most)
     }
 
-    /// Change of a chord's half-width by the radius.
+    /// Adds the coverage by the outline of these nodes to the first of the planes and, with a contrast, its changes to the others.
     #[inline(always)]
-    fn growth(&self, half_width: f32) -> f32 {
-        self.radius / half_width.max(1e-3 * self.radius)
-    }
-}
-
-impl Kernel for Disc {
-    type Row = [Chord; 3];
-
-    fn spacing(radius: f64) -> f64 {
-        SPACING.0 + (SPACING.1 - SPACING.0) * (radius / LARGE).min(1.0)
-    }
-
-    #[inline(always)]
-    fn prepare(&mut self, grid: &Grid, nodes: &[Node], radius: f64) {
+    pub(super) fn cover(
+        &mut self,
+        (grid, nodes, radius): (&Grid, &[Node], f64),
+        (values, changes): (&mut Plane, &mut [Plane; COVERAGE_PARAMETERS]),
+        contrast: Option<f32>,
+    ) {
         self.radius = radius as f32;
-        self.stamps.clear();
-        self.rows.clear();
-        for node in nodes {
-            let stamp = touched(node, self.radius + 0.5, grid, self.rows.len());
-            for i in stamp.rows.0..stamp.rows.1 {
-                let chords = self.chords(i as f32 - node.y);
-                self.rows.push(chords);
+        let places = (grid.stride() + MARGIN) * grid.height;
+        self.bends.clear();
+        self.bends.resize(places, [0.0; 4]);
+        match contrast {
+            None => {
+                for node in nodes {
+                    self.lay::<false>(grid, node);
+                }
+                self.sum(grid, values);
             }
-            self.stamps.push(stamp);
-        }
-    }
-
-    #[inline(always)]
-    fn stamps(&self) -> &[Stamp] {
-        &self.stamps
-    }
-
-    #[inline(always)]
-    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row {
-        self.rows[stamp.table + i - stamp.rows.0]
-    }
-
-    #[inline(always)]
-    fn sum(&self, row: &Self::Row, node: &Node, _: usize, vector: usize) -> Lanes {
-        let begin = (vector * LANES) as f32 - node.x;
-        let mut sum = [0.0; LANES];
-        for &(half_width, weight) in row {
-            for (l, sum) in sum.iter_mut().enumerate() {
-                let z = begin + l as f32;
-                *sum += weight * (ramp(z + half_width).0 - ramp(z - half_width).0);
+            Some(contrast) => {
+                self.steps.clear();
+                self.steps.resize(places, [Lanes::default(); 2]);
+                for node in nodes {
+                    self.lay::<true>(grid, node);
+                }
+                self.sum_all(grid, (values, changes), contrast);
             }
         }
-        sum
     }
 
+    /// Lays the ends of a node's chords on its rows.
     #[inline(always)]
-    fn all(&self, row: &Self::Row, node: &Node, _: usize, vector: usize) -> [Lanes; 3] {
-        let begin = (vector * LANES) as f32 - node.x;
-        let shrink = 2.0 / self.radius;
-        let (mut sums, mut shares, mut slopes) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for &(half_width, weight) in row {
-            let growth = weight * self.growth(half_width);
-            let pixels = sums.iter_mut().zip(&mut shares).zip(&mut slopes);
-            for (l, ((sum, share), slope)) in pixels.enumerate() {
-                let z = begin + l as f32;
-                let (enters, enter_slope) = ramp(z + half_width);
-                let (leaves, leave_slope) = ramp(z - half_width);
-                let part = weight * (enters - leaves);
-                *sum += part;
-                *share += weight * (enter_slope - leave_slope);
-                // the disc's area is in the weights, and grows too
-                *slope += growth * (enter_slope + leave_slope) - shrink * part;
+    fn lay<const ALL: bool>(&mut self, grid: &Grid, node: &Node) {
+        let reach = self.radius + 0.5;
+        let first = (node.y - reach).ceil().max(0.0) as usize;
+        let past = ((node.y + reach).floor() + 1.0).clamp(0.0, grid.height as f32) as usize;
+        let columns = grid.stride() + MARGIN;
+        let last = (columns - 1) as f32;
+        let mut whole = Lanes::default();
+        whole[..SHAPE_PARAMETERS].copy_from_slice(&node.sweep);
+        if first >= past {
+            return;
+        }
+        let rows = first * columns..past * columns;
+        let mut bends = self.bends[rows.clone()].chunks_exact_mut(columns);
+        let mut steps = if ALL { &mut self.steps[rows] } else { &mut [] }.chunks_exact_mut(columns);
+        let radius = self.radius;
+        for row in first..past {
+            let chords = chords(radius, row as f32 - node.y);
+            let Some(bends) = bends.next() else { return };
+            let steps = steps.next().unwrap_or_default();
+            let ends = Ends::of(node, &chords, last);
+            for k in 0..ENDS {
+                if k % 4 == CHORDS {
+                    continue;
+                }
+                let column = ends.columns[k] as usize;
+                let Some(bend) = bends.get_mut(column) else {
+                    return;
+                };
+                for (sum, moments) in bend.iter_mut().zip(&ends.moments) {
+                    *sum += moments[k];
+                }
+                if ALL {
+                    let Some([by_part, by_all]) = steps.get_mut(column) else {
+                        return;
+                    };
+                    let mut change = whole.map(|sweep| ends.shares[k] * sweep);
+                    change[SHAPE_PARAMETERS] = ends.growths[k];
+                    add(by_part, ends.parts[k], &change);
+                    add(by_all, 1.0, &change);
+                }
             }
         }
-        [sums, shares, slopes]
     }
 
+    /// Sums of the bends along the rows, twice.
     #[inline(always)]
-    fn beyond(&self, row: &Self::Row) -> [f32; 2] {
-        let (mut total, mut change) = (0.0, 0.0);
-        for &(half_width, weight) in row {
-            total += 2.0 * weight * half_width;
-            change += 2.0 * weight * self.growth(half_width);
+    fn sum(&self, grid: &Grid, values: &mut Plane) {
+        let stride = grid.stride();
+        let rows = self.bends.chunks_exact(stride + MARGIN);
+        for (bends, values) in rows.zip(values.chunks_exact_mut(stride)) {
+            let mut sum = Sum::default();
+            sum.next(&bends[0]);
+            for (bend, value) in bends[BEFORE..].iter().zip(values) {
+                *value += sum.next(bend);
+            }
         }
-        [total, change - 2.0 / self.radius * total]
+    }
+
+    /// The same, and sums of the steps.
+    #[inline(always)]
+    fn sum_all(
+        &self,
+        grid: &Grid,
+        (values, changes): (&mut Plane, &mut [Plane; COVERAGE_PARAMETERS]),
+        contrast: f32,
+    ) {
+        let stride = grid.stride();
+        // the disc's area is in the shares, and grows too
+        let shrink = contrast * 2.0 / self.radius;
+        let rows = self.bends.chunks_exact(stride + MARGIN);
+        let rows = rows.zip(self.steps.chunks_exact(stride + MARGIN));
+        for (row, (bends, steps)) in rows.enumerate() {
+            let at = row * stride;
+            let mut planes = changes.each_mut().map(|plane| &mut plane[at..at + stride]);
+            let values = &mut values[at..at + stride];
+            let (mut sum, mut step, mut begun) =
+                (Sum::default(), Lanes::default(), Lanes::default());
+            for (i, (bend, [by_part, by_all])) in bends.iter().zip(steps).enumerate() {
+                let total = sum.next(bend);
+                for l in 0..step.len() {
+                    // a step rises by its part in its own pixel and by the rest in the next
+                    step[l] += contrast * (begun[l] + by_part[l]);
+                    begun[l] = by_all[l] - by_part[l];
+                }
+                let Some(i) = i.checked_sub(BEFORE).filter(|i| *i < stride) else {
+                    continue;
+                };
+                values[i] += total;
+                for (plane, step) in planes.iter_mut().zip(&step) {
+                    plane[i] += step;
+                }
+                planes[SHAPE_PARAMETERS][i] -= shrink * total;
+            }
+        }
     }
 }
 
-/// max(z, 0) averaged over a pixel, and its slope.
+/// The ends of a row's chords: first where they enter the disc, then where they leave it.
+const ENDS: usize = 8;
+struct Ends {
+    /// The pixels they lie in, of the row with its margin.
+    columns: [u32; ENDS],
+    /// How far before the middles of these.
+    parts: [f32; ENDS],
+    /// Shares of the disc, negative where they leave it.
+    shares: [f32; ENDS],
+    /// Moments 0, 1 and 2 of the parts, times share and rise; a fourth fills a vector.
+    moments: [[f32; ENDS]; 4],
+    /// Changes by the radius.
+    growths: [f32; ENDS],
+}
+
+impl Ends {
+    #[inline(always)]
+    fn of(node: &Node, chords: &Chords, last: f32) -> Self {
+        // adding this rounds to a whole number and leaves it in the low bits
+        const ROUND: f32 = 8_388_608.0;
+        let mut ends = Self {
+            columns: [0; ENDS],
+            parts: [0.0; ENDS],
+            shares: [0.0; ENDS],
+            moments: [[0.0; ENDS]; 4],
+            growths: [0.0; ENDS],
+        };
+        let from = node.x + BEFORE as f32 - 0.5;
+        for k in 0..ENDS {
+            let side = if k < 4 { -1.0 } else { 1.0 };
+            let at = from + side * chords.half_widths[k % 4];
+            // what lies before the window bends there, wherever it is
+            let rounded = (at + 0.5).max(0.0).min(last) + ROUND;
+            ends.columns[k] = rounded.to_bits() & 0x007f_ffff;
+            let part = (rounded - ROUND) - at;
+            ends.parts[k] = part;
+            ends.shares[k] = -side * chords.shares[k % 4];
+            let rise = ends.shares[k] * node.rise;
+            ends.moments[0][k] = rise;
+            ends.moments[1][k] = rise * part;
+            ends.moments[2][k] = rise * part * part;
+            ends.growths[k] = chords.shares[k % 4] * node.rise * chords.growths[k % 4];
+        }
+        ends
+    }
+}
+
+/// A sum along a row from the moments of its bends.
+#[derive(Default)]
+struct Sum {
+    /// What the bends of the pixel before leave for this one, and for the next.
+    left: [f32; 2],
+    slope: f32,
+    total: f32,
+}
+
+impl Sum {
+    #[inline(always)]
+    fn next(&mut self, [all, first, second, _]: &[f32; 4]) -> f32 {
+        self.slope += 0.5 * second + self.left[0];
+        self.left[0] = self.left[1] + 0.5 * all + first - second;
+        self.left[1] = 0.5 * (all + second) - first;
+        self.total += self.slope;
+        self.total
+    }
+}
+
+/// The chords that stand for a pixel's height about `y` from the disc's middle.
 #[inline(always)]
-fn ramp(z: f32) -> (f32, f32) {
-    let inside = z + 0.5;
-    let slope = inside.clamp(0.0, 1.0);
-    (0.5 * slope * slope + (inside - 1.0).max(0.0), slope)
+fn chords(radius: f32, y: f32) -> Chords {
+    let scale = 1.0 / (std::f32::consts::PI * radius * radius);
+    let (first, last) = (y - 0.5, y + 0.5);
+    let (heights, weights) = match (first < -radius, last > radius) {
+        (true, true) => (
+            WHOLE.map(|(place, _)| radius * place),
+            WHOLE.map(|(_, weight)| radius * weight),
+        ),
+        (false, false) => (
+            HEIGHTS.map(|(place, _)| y + 0.5 * place),
+            HEIGHTS.map(|(_, weight)| weight),
+        ),
+        (low, _) => {
+            // from the rim on, whichever of the two it is
+            let length = if low { last + radius } else { radius - first };
+            let u = HEIGHTS.map(|(place, _)| 0.5 * (1.0 + place));
+            (
+                u.map(|u| radius - length * u * u),
+                std::array::from_fn(|k| 2.0 * length * u[k] * HEIGHTS[k].1),
+            )
+        }
+    };
+    let half_widths = heights.map(|v| (radius * radius - v * v).max(0.0).sqrt());
+    Chords {
+        half_widths,
+        shares: weights.map(|weight| weight * scale),
+        growths: half_widths.map(|half_width| radius / half_width.max(1e-3 * radius)),
+    }
+}
+
+#[inline(always)]
+fn add(sums: &mut Lanes, factor: f32, values: &Lanes) {
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += factor * value;
+    }
 }

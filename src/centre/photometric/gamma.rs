@@ -6,7 +6,8 @@
 
 use super::board::BoardStart;
 use super::fit::Known;
-use super::jury::{hear, jurors};
+use super::hearing::hear;
+use super::jury::jurors;
 use super::problem::Workspace;
 use super::response::ResponseGamma;
 use crate::frame::{Frame, Linear, Pixels};

@@ -26,7 +26,7 @@ pub(super) struct Gaussian {
 
 /// The kernel across a vector of pixels.
 #[derive(Debug, Clone, Copy)]
-struct Across {
+pub(super) struct Across {
     /// Share of all up to a pixel, averaged over it.
     sum: Lanes,
     /// Share of the kernel in each pixel.
@@ -68,10 +68,10 @@ fn edges(begin: f32, scale: f32) -> (Lanes, Lanes) {
 }
 
 impl Across {
+    /// From density and distribution at the left edges of a vector of pixels and at the right ones.
     #[inline(always)]
-    fn new(begin: f32, scale: f32, sigma: f32) -> Self {
-        let (d0, c0) = edges(begin, scale);
-        let (d1, c1) = edges(begin + scale, scale);
+    fn new(begin: f32, scale: f32, sigma: f32, [left, right]: [(Lanes, Lanes); 2]) -> Self {
+        let ((d0, c0), (d1, c1)) = (left, right);
         let mut across = Self {
             sum: [0.0; LANES],
             share: [0.0; LANES],
@@ -88,9 +88,22 @@ impl Across {
     }
 }
 
+/// What follows one place after the values of a vector: all but its first, and the first of the next vector.
+#[inline(always)]
+fn shifted(values: &Lanes, next: &Lanes) -> Lanes {
+    std::array::from_fn(|l| {
+        if l + 1 < LANES {
+            values[l + 1]
+        } else {
+            next[0]
+        }
+    })
+}
+
 impl Kernel for Gaussian {
     /// Share of the kernel in the row, and its change by sigma.
     type Row = [f32; 2];
+    type Part = Across;
 
     fn spacing(sigma: f64) -> f64 {
         SPACING * sigma.max(LEAST_SIGMA)
@@ -113,9 +126,15 @@ impl Kernel for Gaussian {
                 continue;
             }
             self.down_of(node.y, stamp.rows, scale);
+            let begin = |vector: usize| ((vector * LANES) as f32 - 0.5 - node.x) * scale;
+            // the right edges of pixels are the left ones of the next
+            let mut left = edges(begin(stamp.vectors.0), scale);
             for vector in stamp.vectors.0..stamp.vectors.1 {
-                let begin = ((vector * LANES) as f32 - 0.5 - node.x) * scale;
-                self.across.push(Across::new(begin, scale, sigma));
+                let next = edges(begin(vector + 1), scale);
+                let right = (shifted(&left.0, &next.0), shifted(&left.1, &next.1));
+                let across = Across::new(begin(vector), scale, sigma, [left, right]);
+                self.across.push(across);
+                left = next;
             }
         }
     }
@@ -126,26 +145,35 @@ impl Kernel for Gaussian {
     }
 
     #[inline(always)]
-    fn row(&self, stamp: &Stamp, i: usize) -> Self::Row {
-        self.down[stamp.table + i - stamp.rows.0]
+    fn row(&self, at: usize) -> Self::Row {
+        self.down[at]
     }
 
     #[inline(always)]
-    fn sum(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> Lanes {
+    fn part(&self, node: &Node, j: usize, vector: usize) -> Across {
         let across = &self.across[self.begins[j] + vector - self.stamps[j].vectors.0];
-        across.sum.map(|sum| row[0] * sum)
-    }
-
-    #[inline(always)]
-    fn all(&self, row: &Self::Row, _: &Node, j: usize, vector: usize) -> [Lanes; 3] {
-        let across = &self.across[self.begins[j] + vector - self.stamps[j].vectors.0];
-        let [share, change] = *row;
-        let sum = across.sum.map(|sum| share * sum);
-        let mut by_sigma = across.sum_by_sigma.map(|slope| share * slope);
-        for (slope, sum) in by_sigma.iter_mut().zip(&across.sum) {
-            *slope += change * sum;
+        Across {
+            sum: across.sum.map(|sum| node.rise * sum),
+            share: across.share,
+            sum_by_sigma: across.sum_by_sigma.map(|slope| node.rise * slope),
         }
-        [sum, across.share.map(|pixel| share * pixel), by_sigma]
+    }
+
+    #[inline(always)]
+    fn sum(&self, row: &Self::Row, part: &Across) -> Lanes {
+        part.sum.map(|sum| row[0] * sum)
+    }
+
+    #[inline(always)]
+    fn all(&self, row: &Self::Row, part: &Across) -> [Lanes; 3] {
+        let [share, change] = *row;
+        let (mut sum, mut pixel, mut by_sigma) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            sum[l] = share * part.sum[l];
+            pixel[l] = share * part.share[l];
+            by_sigma[l] = share * part.sum_by_sigma[l] + change * part.sum[l];
+        }
+        [sum, pixel, by_sigma]
     }
 
     #[inline(always)]

@@ -1,82 +1,74 @@
 //! Sums of products over pixels: the normal matrix and the gradient of a least-squares fit.
 //!
-//! Pixels come row by row in `f32`, 8 at once; after a few rows the sums go on in `f64`, so that their error stays that of a few
-//! hundred additions.
+//! Pixels come a few rows at a time in `f32`, as many at once as the machine's vectors hold; after a few rows the sums go on in
+//! `f64`, so that their error stays that of a few dozen additions.
 
 use super::coverage::LANES;
-use super::model::{Matrix, PARAMETERS, Row, Vector};
+use super::model::{Matrix, PARAMETERS, Rows, Vector};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Columns of a row at most: the parameters and the residuals.
 const COLUMNS: usize = PARAMETERS + 1;
 /// Columns that are multiplied with one another at once.
 const TILE: usize = 4;
 const TILES: usize = COLUMNS.div_ceil(TILE);
-/// Rows between two transfers to `f64`.
-const ROWS: usize = 8;
+/// Visits between two transfers to `f64`.
+const VISITS: usize = 4;
+/// Numbers in the widest vectors of any machine.
+pub(super) const WIDEST: usize = 16;
 
 type Lanes = [f32; LANES];
 
 /// Sums of products of all pairs of columns.
 #[derive(Debug, Clone)]
 pub(super) struct Gram {
-    tiles: Vec<[[Lanes; TILE]; TILE]>,
+    /// A vector for each pair of a tile's columns, tile after tile.
+    tiles: Vec<f32>,
     sums: [[f64; COLUMNS]; COLUMNS],
     /// Columns of the rows that came.
     columns: usize,
-    rows: usize,
+    visits: usize,
+    /// Numbers in a vector.
+    lanes: usize,
 }
 
 impl Gram {
     pub(super) fn new() -> Self {
         Self {
-            tiles: vec![[[[0.0; LANES]; TILE]; TILE]; TILES * (TILES + 1) / 2],
+            tiles: vec![0.0; TILES * (TILES + 1) / 2 * TILE * TILE * WIDEST],
             sums: [[0.0; COLUMNS]; COLUMNS],
             columns: 0,
-            rows: 0,
+            visits: 0,
+            lanes: 1,
         }
     }
 
-    #[inline(always)]
-    pub(super) fn add(&mut self, row: &Row) {
-        self.columns = row.parameters + 1;
-        let column = |k: usize| {
-            let k = k.min(row.parameters);
-            &row.data[k * row.stride..(k + 1) * row.stride]
-        };
-        let mut tiles = self.tiles.iter_mut();
-        for a in 0..self.columns.div_ceil(TILE) {
-            for b in 0..=a {
-                let Some(tile) = tiles.next() else { return };
-                add_tile(
-                    tile,
-                    std::array::from_fn(|i| column(a * TILE + i)),
-                    std::array::from_fn(|i| column(b * TILE + i)),
-                );
-            }
-        }
-        self.rows += 1;
-        if self.rows == ROWS {
+    pub(super) fn add(&mut self, rows: &Rows) {
+        self.columns = rows.parameters + 1;
+        let tiles = &mut self.tiles;
+        self.lanes = Arch::new().dispatch(AddProducts { tiles, rows });
+        self.visits += 1;
+        if self.visits == VISITS {
             self.transfer();
         }
     }
 
     fn transfer(&mut self) {
-        let mut tiles = self.tiles.iter_mut();
+        let lanes = self.lanes;
+        let mut tiles = self.tiles.chunks_exact_mut(TILE * TILE * lanes);
         for a in 0..self.columns.div_ceil(TILE) {
             for b in 0..=a {
                 let Some(tile) = tiles.next() else { return };
-                for (i, line) in tile.iter_mut().enumerate() {
-                    for (j, lanes) in line.iter_mut().enumerate() {
-                        let (i, j) = (a * TILE + i, b * TILE + j);
-                        if i < self.columns && j < self.columns {
-                            self.sums[i][j] += f64::from(lanes.iter().sum::<f32>());
-                        }
-                        *lanes = [0.0; LANES];
+                for (ij, vector) in tile.chunks_exact(lanes).enumerate() {
+                    let (i, j) = (a * TILE + ij / TILE, b * TILE + ij % TILE);
+                    if j <= i && i < self.columns {
+                        self.sums[i][j] += f64::from(vector.iter().sum::<f32>());
                     }
                 }
+                tile.fill(0.0);
             }
         }
-        self.rows = 0;
+        self.visits = 0;
     }
 
     /// Normal matrix (one on the diagonal for parameters that the rows do not have), gradient and sum of squared residuals.
@@ -94,27 +86,57 @@ impl Gram {
     }
 }
 
-#[inline(always)]
-fn add_tile(tile: &mut [[Lanes; TILE]; TILE], left: [&[f32]; TILE], right: [&[f32]; TILE]) {
-    let mut sums = *tile;
-    let chunks = left[0].len() / LANES;
-    for chunk in 0..chunks {
-        let at = |column: &[f32]| -> Lanes {
-            let mut lanes = [0.0; LANES];
-            lanes.copy_from_slice(&column[chunk * LANES..(chunk + 1) * LANES]);
-            lanes
+/// Adds the products of all columns of some rows to the tiles; says how many numbers a vector holds.
+struct AddProducts<'a> {
+    tiles: &'a mut [f32],
+    rows: &'a Rows,
+}
+
+impl WithSimd for AddProducts<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> usize {
+        let lanes = S::F32_LANES;
+        let last = self.rows.parameters;
+        let columns = |tile: usize| -> [&[S::f32s]; TILE] {
+            // beyond the last column its products are formed again, and not used
+            std::array::from_fn(|i| {
+                S::as_simd_f32s(self.rows.column((tile * TILE + i).min(last))).0
+            })
         };
-        let right: [Lanes; TILE] = right.map(at);
+        let mut tiles = self.tiles.chunks_exact_mut(TILE * TILE * lanes);
+        for a in 0..(last + 1).div_ceil(TILE) {
+            for b in 0..=a {
+                let Some(tile) = tiles.next() else { break };
+                add_tile(simd, S::as_mut_simd_f32s(tile).0, columns(a), columns(b));
+            }
+        }
+        lanes
+    }
+}
+
+#[inline(always)]
+fn add_tile<S: Simd>(
+    simd: S,
+    tile: &mut [S::f32s],
+    left: [&[S::f32s]; TILE],
+    right: [&[S::f32s]; TILE],
+) {
+    let count = left[0].len();
+    let (left, right) = (left.map(|c| &c[..count]), right.map(|c| &c[..count]));
+    let mut sums = [[simd.splat_f32s(0.0); TILE]; TILE];
+    for k in 0..count {
+        let right = right.map(|column| column[k]);
         for (sums, left) in sums.iter_mut().zip(left) {
-            let left = at(left);
-            for (sum, right) in sums.iter_mut().zip(&right) {
-                for i in 0..LANES {
-                    sum[i] += left[i] * right[i];
-                }
+            for (sum, right) in sums.iter_mut().zip(right) {
+                *sum = simd.mul_add_e_f32s(left[k], right, *sum);
             }
         }
     }
-    *tile = sums;
+    for (total, sum) in tile.iter_mut().zip(sums.into_iter().flatten()) {
+        *total = simd.add_f32s(*total, sum);
+    }
 }
 
 /// Sums of the products of residuals and derivatives: the gradient alone.
@@ -123,7 +145,7 @@ pub(super) struct Gradient {
     lanes: [Lanes; COLUMNS],
     sums: [f64; COLUMNS],
     parameters: usize,
-    rows: usize,
+    visits: usize,
 }
 
 impl Gradient {
@@ -132,17 +154,17 @@ impl Gradient {
             lanes: [[0.0; LANES]; COLUMNS],
             sums: [0.0; COLUMNS],
             parameters: 0,
-            rows: 0,
+            visits: 0,
         }
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, row: &Row) {
-        self.parameters = row.parameters;
-        let residuals = &row.data[row.parameters * row.stride..];
-        for (sums, column) in self.lanes.iter_mut().zip(row.data.chunks_exact(row.stride)) {
+    pub(super) fn add(&mut self, rows: &Rows) {
+        self.parameters = rows.parameters;
+        let residuals = rows.column(rows.parameters);
+        for (k, sums) in self.lanes.iter_mut().enumerate().take(rows.parameters + 1) {
             let mut lanes = *sums;
-            let chunks = column.chunks_exact(LANES);
+            let chunks = rows.column(k).chunks_exact(LANES);
             for (column, residuals) in chunks.zip(residuals.chunks_exact(LANES)) {
                 for i in 0..LANES {
                     lanes[i] += column[i] * residuals[i];
@@ -150,8 +172,8 @@ impl Gradient {
             }
             *sums = lanes;
         }
-        self.rows += 1;
-        if self.rows == ROWS {
+        self.visits += 1;
+        if self.visits == VISITS {
             self.transfer();
         }
     }
@@ -161,7 +183,7 @@ impl Gradient {
             *sum += f64::from(lanes.iter().sum::<f32>());
             *lanes = [0.0; LANES];
         }
-        self.rows = 0;
+        self.visits = 0;
     }
 
     /// The gradient and the sum of squared residuals.

@@ -162,19 +162,51 @@ impl Shades {
     }
 }
 
-/// Derivatives of the light of one row of pixels by every parameter, each times the pixel's weight.
+/// Rows of pixels whose derivatives are kept together, so that sums over them stay in registers for longer.
+const TOGETHER: usize = 4;
+
+/// Derivatives of the light of a few rows of pixels by every parameter, each times the pixel's weight, and the residuals.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Row {
-    /// Parameter by parameter, `stride` pixels each; room for the residuals behind them.
-    pub(super) data: Vec<f32>,
-    pub(super) stride: usize,
+pub(super) struct Rows {
+    /// Parameter by parameter, `TOGETHER` rows of `stride` pixels each; the residuals behind them.
+    data: Vec<f32>,
+    stride: usize,
+    /// Rows filled in.
+    rows: usize,
     /// Parameters: those that the model has.
     pub(super) parameters: usize,
     pub(super) sheet: SheetRow,
+    /// Shade times weight of each pixel of a row.
+    shades: Vec<f32>,
 }
 
-impl Row {
-    /// Fills in all derivatives. Those by shape and blur come from the coverage's changes, those by the levels from its circles.
+impl Rows {
+    /// Forgets the rows.
+    pub(super) fn clear(&mut self) {
+        self.rows = 0;
+    }
+
+    /// Whether no more row fits in.
+    pub(super) fn is_full(&self) -> bool {
+        self.rows == TOGETHER
+    }
+
+    /// Derivatives by a parameter, or (behind the last) the residuals, of all rows filled in.
+    #[inline(always)]
+    pub(super) fn column(&self, k: usize) -> &[f32] {
+        let begin = k * TOGETHER * self.stride;
+        &self.data[begin..begin + self.rows * self.stride]
+    }
+
+    /// The same of the last row, to be written.
+    #[inline(always)]
+    fn last_mut(&mut self, k: usize) -> &mut [f32] {
+        let begin = (k * TOGETHER + self.rows - 1) * self.stride;
+        &mut self.data[begin..begin + self.stride]
+    }
+
+    /// Fills in all derivatives of one more row. Those by shape and blur come from the coverage's changes, those by the levels from its
+    /// circles.
     #[inline(always)]
     pub(super) fn fill(
         &mut self,
@@ -187,17 +219,29 @@ impl Row {
         let stride = grid.stride();
         self.stride = stride;
         self.parameters = model.count();
-        self.data.resize(stride * (self.parameters + 1), 0.0);
+        self.rows += 1;
+        self.data
+            .resize(TOGETHER * stride * (self.parameters + 1), 0.0);
+        self.shades.resize(stride, 0.0);
         let shades = Shades::new(model, grid, row);
+        for (i, (shade, weight)) in self.shades.iter_mut().zip(weights).enumerate() {
+            *shade = shades.at(i) * weight;
+        }
         let by_blur = model.by_blur(grid) as f32;
         let span = row * stride..(row + 1) * stride;
-        let mut columns = self.data.chunks_exact_mut(stride);
+        let pitch = TOGETHER * stride;
+        let first = (self.rows - 1) * stride;
+        let mut columns = self
+            .data
+            .chunks_exact_mut(pitch)
+            .map(|column| &mut column[first..first + stride]);
+        let shaded = &self.shades[..stride];
         for (k, plane) in coverage.changes.iter().enumerate() {
             let scale = if k == BLUR { by_blur } else { 1.0 };
             let Some(out) = columns.next() else { return };
             let changes = &plane[span.clone()];
-            for i in 0..stride {
-                out[i] = scale * changes[i] * shades.at(i) * weights[i];
+            for ((out, change), shade) in out.iter_mut().zip(changes).zip(shaded) {
+                *out = scale * change * shade;
             }
         }
         let outer = &coverage.circles[0][span.clone()];
@@ -214,7 +258,7 @@ impl Row {
             return;
         };
         for i in 0..stride {
-            let shade = shades.at(i) * weights[i];
+            let shade = shaded[i];
             by_paper[i] = shade * (1.0 - outer[i]);
             by_ring[i] = shade * (outer[i] - inner[i]);
             by_inside[i] = shade * inner[i];
@@ -232,10 +276,12 @@ impl Row {
 
     /// Adds what the sheet's end changes in the derivatives of the ring's parameters, and fills in its own.
     fn add_sheet(&mut self, step: f32, shades: &Shades, weights: &[f32]) {
-        let (stride, sheet) = (self.stride, &self.sheet);
-        self.data[SHEET * stride..self.parameters * stride].fill(0.0);
+        let sheet = std::mem::take(&mut self.sheet);
+        for k in SHEET..self.parameters {
+            self.last_mut(k).fill(0.0);
+        }
         let mut add = |k: usize, of: &dyn Fn(usize) -> f32| {
-            let column = self.data[k * stride..(k + 1) * stride].iter_mut();
+            let column = self.last_mut(k).iter_mut();
             for (i, (out, weight)) in column.zip(weights).enumerate() {
                 *out += weight * of(i);
             }
@@ -245,19 +291,29 @@ impl Row {
         add(SHADING, &|i| step * sheet.missing[i] * shades.across(i));
         add(SHADING + 1, &|i| step * sheet.missing[i] * shades.v);
         add(SHEET, &|i| sheet.missing[i] * shades.at(i));
-        for (k, by) in sheet.by_edge[..self.parameters - SHEET - 1]
-            .iter()
-            .enumerate()
-        {
-            add(SHEET + 1 + k, &|i| step * by[i] * shades.at(i));
+        let edges = self.parameters - SHEET - 1;
+        for (k, by) in sheet.by_edge[..edges].iter().enumerate() {
+            let column = self.last_mut(SHEET + 1 + k).iter_mut();
+            for (i, (out, weight)) in column.zip(weights).enumerate() {
+                *out += weight * step * by[i] * shades.at(i);
+            }
         }
+        self.sheet = sheet;
     }
 
-    /// The residuals, behind the parameters, and room for what is missing of the sheet.
+    /// Replaces what the last row says of one pixel.
+    pub(super) fn set_pixel(&mut self, i: usize, derivatives: &[f64], residual: f64) {
+        for (k, derivative) in derivatives.iter().enumerate() {
+            self.last_mut(k)[i] = *derivative as f32;
+        }
+        let residuals = self.parameters;
+        self.last_mut(residuals)[i] = residual as f32;
+    }
+
+    /// The residuals of the last row, and room for what is missing of the sheet.
     pub(super) fn residuals_mut(&mut self) -> (&mut [f32], &mut SheetRow) {
-        (
-            &mut self.data[self.parameters * self.stride..],
-            &mut self.sheet,
-        )
+        let begin = (self.parameters * TOGETHER + self.rows - 1) * self.stride;
+        let residuals = &mut self.data[begin..begin + self.stride];
+        (residuals, &mut self.sheet)
     }
 }

@@ -5,7 +5,7 @@ use super::censored::Censored;
 use super::coverage::{Contrasts, Coverage, Plane};
 use super::fit::Known;
 use super::gram::{Gradient, Gram};
-use super::model::{Matrix, RingModel, Row, Vector};
+use super::model::{Matrix, RingModel, Rows, Vector};
 use super::shape::Shape;
 use super::sheet::SheetRow;
 use super::window::{Grid, Window};
@@ -28,7 +28,7 @@ pub(super) struct Problem<'a> {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     pub(super) coverage: Coverage,
-    row: Row,
+    rows: Rows,
     /// Residuals of the last evaluation, in padded rows; zero where a pixel does not count.
     pub(super) residuals: Vec<f32>,
     arch: Arch,
@@ -38,7 +38,7 @@ impl Default for Workspace {
     fn default() -> Self {
         Self {
             coverage: Coverage::default(),
-            row: Row::default(),
+            rows: Rows::default(),
             residuals: Vec::new(),
             arch: Arch::new(),
         }
@@ -67,7 +67,7 @@ impl Workspace {
             |room| {
                 let mut gram = Gram::new();
                 let contrasts = Some(model.contrasts());
-                let beyond = room.for_each_row(problem, model, contrasts, |row| gram.add(row))?;
+                let beyond = room.for_each_row(problem, model, contrasts, |rows| gram.add(rows))?;
                 let (matrix, gradient, squares) = gram.finish();
                 let squares = squares + beyond;
                 let finite = squares.is_finite() && matrix.iter().all(|v| v.is_finite());
@@ -90,7 +90,7 @@ impl Workspace {
             #[inline(always)]
             |room| {
                 let mut sums = Gradient::new();
-                let beyond = room.for_each_row(problem, model, None, |row| sums.add(row))?;
+                let beyond = room.for_each_row(problem, model, None, |rows| sums.add(rows))?;
                 let (gradient, squares) = sums.finish();
                 let squares = squares + beyond;
                 squares.is_finite().then_some((gradient, squares))
@@ -98,7 +98,7 @@ impl Workspace {
         )
     }
 
-    /// Computes the coverages, with their changes for these contrasts, and calls `visit` with every row's derivatives and residuals.
+    /// Computes the coverages, with their changes for these contrasts, and calls `visit` with the derivatives and residuals of all rows, a few at a time.
     /// Returns what censored pixels add to the sum of squares; `None` where the shape is no ring.
     #[inline(always)]
     fn for_each_row(
@@ -106,7 +106,7 @@ impl Workspace {
         problem: &Problem,
         model: &RingModel,
         contrasts: Option<Contrasts>,
-        mut visit: impl FnMut(&Row),
+        mut visit: impl FnMut(&Rows),
     ) -> Option<f64> {
         let grid = &problem.window.grid;
         let (shape, blur) = (&model.shape, &model.blur);
@@ -115,9 +115,13 @@ impl Workspace {
             .fill(grid, (shape, blur), ratio, contrasts, around)?;
         self.residuals.resize(grid.stride() * grid.height, 0.0);
         let mut beyond = 0.0;
+        self.rows.clear();
         for row in 0..grid.height {
             beyond += self.fill_row(problem, model, row);
-            visit(&self.row);
+            if self.rows.is_full() || row + 1 == grid.height {
+                visit(&self.rows);
+                self.rows.clear();
+            }
         }
         Some(beyond)
     }
@@ -170,7 +174,7 @@ impl Workspace {
                 if filled.is_none() {
                     return;
                 }
-                let (circles, sheet) = (&room.coverage.circles, &mut room.row.sheet);
+                let (circles, sheet) = (&room.coverage.circles, &mut room.rows.sheet);
                 for (row, out) in room.residuals.chunks_exact_mut(stride).enumerate() {
                     subtract(model, known.window, circles, row, (sheet, out));
                 }
@@ -183,7 +187,9 @@ impl Workspace {
     #[inline(always)]
     fn fill_row(&mut self, problem: &Problem, model: &RingModel, row: usize) -> f64 {
         let Self {
-            coverage, row: out, ..
+            coverage,
+            rows: out,
+            ..
         } = self;
         let window = problem.window;
         let (grid, stride) = (&window.grid, window.grid.stride());

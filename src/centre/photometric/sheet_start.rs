@@ -45,6 +45,9 @@ pub(super) fn with_sheet(
         return None;
     }
     let sides = sides(board, place);
+    if sides.is_empty() {
+        return None;
+    }
     let mut residuals = room.residuals(known, &near.model).to_vec();
     let variance = (near.noise * near.noise).max(f64::MIN_POSITIVE);
     let mut found: Vec<Candidate> = Vec::new();

@@ -5,9 +5,11 @@
 //! more than noise is strange. A fit that they have pulled hides some of it, so once a direction is suspected the ring is
 //! fitted without it, and only what is strange to that fit is left out, with the layer before it and all behind it.
 
+use super::coverage::LANES;
 use super::fit::RingFitted;
 use super::shape::Shape;
 use super::window::{Grid, Window};
+use crate::frame::widest;
 use nalgebra::Vector2;
 
 const DIRECTIONS: usize = 8;
@@ -114,10 +116,37 @@ impl Surroundings {
         if layer < 0.0 {
             return None;
         }
-        let octant = usize::from(at.x > 0.0)
-            | usize::from(at.y > 0.0) << 1
-            | usize::from(at.x.abs() > at.y.abs()) << 2;
-        Some((octant, (layer as usize).min(LAYERS - 1)))
+        Some((self.direction((x, y)), (layer as usize).min(LAYERS - 1)))
+    }
+
+    /// Direction of a place.
+    fn direction(&self, (x, y): (f64, f64)) -> usize {
+        let (x, y) = (x - self.shape.centre.x, y - self.shape.centre.y);
+        usize::from(x > 0.0) | usize::from(y > 0.0) << 1 | usize::from(x.abs() > y.abs()) << 2
+    }
+
+    /// Layers of the pixels of a row, with their fractions.
+    fn layers(&self, grid: &Grid, row: usize, out: &mut [f32]) {
+        let y = (grid.y(row) - self.shape.centre.y) as f32;
+        let left = (grid.left_px - self.shape.centre.x) as f32;
+        let pixel = grid.pixel_px as f32;
+        let [xx, xy, yy] = self.shape.affine.map(|v| v as f32);
+        let (qx, qy) = (
+            self.shape.perspective.x as f32,
+            self.shape.perspective.y as f32,
+        );
+        let (per_radius, inside) = (self.layers_per_radius as f32, INSIDE_LAYERS as f32);
+        widest(
+            #[inline(always)]
+            || {
+                for (column, layer) in out.iter_mut().enumerate() {
+                    let x = left + column as f32 * pixel;
+                    let square = (xx * x + 2.0 * xy * y) * x + yy * y * y;
+                    let depth = (1.0 - qx * x - qy * y).abs();
+                    *layer = (square.max(0.0).sqrt() / depth - 1.0) * per_radius + inside;
+                }
+            },
+        );
     }
 
     /// How far each direction is to be trusted, by the residuals of a fit (padded rows like the window's).
@@ -130,19 +159,18 @@ impl Surroundings {
         let (grid, stride) = (&window.grid, window.grid.stride());
         let mut blocks = [[Block::default(); LAYERS]; DIRECTIONS];
         let mut own = Block::default();
+        let mut layers = vec![0.0_f32; stride];
         for row in 0..grid.height {
+            let span = row * stride..(row + 1) * stride;
+            let (residuals, weights) = (&residuals[span.clone()], &window.weights[span]);
+            self.layers(grid, row, &mut layers);
+            own.add_inside(&layers, residuals, weights);
             let y = grid.y(row);
             for column in 0..grid.width {
-                let i = row * stride + column;
-                if window.weights[i] == 0.0 {
-                    continue;
-                }
-                let residual = f64::from(residuals[i]);
-                match self.block(grid.x(column), y) {
-                    Some((direction, layer)) if layer >= FIRST_SUSPECT => {
-                        blocks[direction][layer].add(residual);
-                    }
-                    _ => own.add(residual),
+                if layers[column] >= FIRST_SUSPECT as f32 && weights[column] > 0.0 {
+                    let layer = (layers[column] as usize).min(LAYERS - 1);
+                    let at = (grid.x(column), y);
+                    blocks[self.direction(at)][layer].add(f64::from(residuals[column]));
                 }
             }
         }
@@ -190,6 +218,32 @@ impl Block {
         self.sum += residual;
         self.squares += residual * residual;
         self.pixels += 1.0;
+    }
+
+    /// Adds the pixels of a row that are the ring's own.
+    fn add_inside(&mut self, layers: &[f32], residuals: &[f32], weights: &[f32]) {
+        let (mut squares, mut pixels) = (0.0, 0.0);
+        widest(
+            #[inline(always)]
+            || {
+                let (mut sums, mut counts) = ([0.0_f32; LANES], [0.0_f32; LANES]);
+                let layers = layers.chunks_exact(LANES);
+                let residuals = residuals.chunks_exact(LANES);
+                let rows = layers.zip(residuals).zip(weights.chunks_exact(LANES));
+                for ((layers, residuals), weights) in rows {
+                    for l in 0..LANES {
+                        let own = layers[l] < FIRST_SUSPECT as f32;
+                        let weight = if own { weights[l] } else { 0.0 };
+                        sums[l] += weight * residuals[l] * residuals[l];
+                        counts[l] += weight;
+                    }
+                }
+                squares = f64::from(sums.iter().sum::<f32>());
+                pixels = f64::from(counts.iter().sum::<f32>());
+            },
+        );
+        self.squares += squares;
+        self.pixels += pixels;
     }
 
     /// The mean residual over what noise allows.

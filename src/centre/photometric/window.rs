@@ -1,6 +1,7 @@
 //! The pixels a ring is fitted to: a rectangle of the frame, linearised, and binned where the blur allows it.
 
 use super::coverage::LANES;
+use super::gram::WIDEST;
 use crate::frame::{Frame, Linear, Pixel, Pixels, Plane};
 
 /// The places of a window's pixels.
@@ -29,9 +30,9 @@ impl Grid {
         self.top_px + row as f64 * self.pixel_px
     }
 
-    /// Pixels from one row to the next in a window's buffers: rows are padded to whole vectors.
+    /// Pixels from one row to the next in a window's buffers: rows are padded to whole vectors, the widest there are.
     pub(super) fn stride(&self) -> usize {
-        (self.width + LANES).next_multiple_of(LANES)
+        (self.width + LANES).next_multiple_of(WIDEST)
     }
 }
 

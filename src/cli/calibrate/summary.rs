@@ -1,14 +1,13 @@
 //! The tables of `ringcal calibrate`.
 
 use crate::calibrate::{CalibrateError, Calibration, CrossValidation, ModelScore, Range};
-use crate::session::Session;
 
 /// The result, for stdout.
 pub fn summary(
     calibration: &Calibration,
     validated: &Result<CrossValidation, CalibrateError>,
-    session: &Session,
-    inputs: usize,
+    coverage: f64,
+    inputs: u64,
 ) -> String {
     let camera = &calibration.camera;
     let used = || calibration.views.iter().filter(|view| view.used());
@@ -23,7 +22,7 @@ pub fn summary(
         camera.height,
         camera.model(),
         calibration.views_used(),
-        100.0 * session.coverage(),
+        100.0 * coverage,
         calibration.rms_px,
     );
     text += &match validated {

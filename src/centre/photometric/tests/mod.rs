@@ -120,7 +120,9 @@ fn worst_error(outer_px: f64, size: u32, blur: &Blur, bin: usize) -> f64 {
 fn coverages_agree_with_the_simulator() {
     for (outer_px, size, blur, bin, most) in [
         (22.0, 80, Blur::gaussian(0.0), 1, 1.2e-2),
-        (22.0, 80, Blur::gaussian(0.2), 1, 2e-4),
+        // pixel by pixel: what is of second order in the circles' bends is left out
+        (22.0, 80, Blur::gaussian(0.2), 1, 1e-3),
+        (22.0, 80, Blur::gaussian(0.4), 1, 1e-3),
         (22.0, 80, Blur::gaussian(0.5), 1, 1e-4),
         (22.0, 80, Blur::gaussian(4.0), 2, 1e-4),
         (22.0, 80, Blur::gaussian(4.0), 4, 1e-4),
@@ -183,6 +185,7 @@ fn moved(grid: &Grid, blur: &Blur, k: usize, by: f64) -> Vec<f64> {
 #[test]
 fn derivatives_agree_with_finite_differences() {
     for (blur, pixel_px) in [
+        (Blur::gaussian(0.3), 1.0),
         (Blur::gaussian(0.8), 1.0),
         (Blur::gaussian(2.5), 1.0),
         (Blur::gaussian(6.0), 3.0),
@@ -217,7 +220,9 @@ fn derivatives_agree_with_finite_differences() {
             let squares = told.iter().map(|v| v * v).sum::<f64>();
             let error = (errors.sum::<f64>() / squares).sqrt();
             // a disc's rim is a step, which nodes half a pixel apart follow roughly
+            // a sharp edge is moved as if its bend stayed the same
             let most = match blur.psf {
+                Psf::Gaussian if blur.size_px < 0.5 => 0.015,
                 Psf::Gaussian => 0.005,
                 Psf::Disc => 0.12,
             };
@@ -234,7 +239,9 @@ fn any_blur_is_finite_and_changes_smoothly() {
         for step in 0..60 {
             let blur = Blur::of_sigma(psf, 0.02 * f64::from(step));
             let [now, _] = circles(&grid, &Shape::from_parameters(&SHAPE), &blur, 0.5);
-            assert!(now.iter().all(|v| (-1e-3..1.001).contains(v)));
+            let outside = now.iter().map(|v| (-v).max(v - 1.0));
+            let outside = outside.fold(0.0_f64, f64::max);
+            assert!(outside < 1e-3, "{blur:?}: {outside:.1e}");
             if let Some(before) = before {
                 let leaps = before.iter().zip(&now).map(|(a, b)| (a - b).abs());
                 let leap = leaps.fold(0.0_f64, f64::max);

@@ -1,0 +1,142 @@
+//! The board in all inputs: image files, each for itself, and bags, which are streams.
+
+mod files;
+mod stream;
+
+use super::interrupt::stop_flag;
+use super::looking::{Looking, Step};
+use super::progress::{Counts, Progress};
+use crate::board::Board;
+use crate::calibrate::CalibrateOptions;
+use crate::detect::{Detection, Detector};
+use crate::formats::Outcome;
+use crate::frame::{Frame, Stamp};
+use crate::session::{Coverage, Session, SessionRules, View};
+use crate::source::{Inputs, Origin};
+use files::Files;
+use std::ops::ControlFlow;
+use std::sync::atomic::Ordering;
+use stream::Stream;
+
+/// The views of a run and what became of its inputs.
+#[derive(Debug)]
+pub struct Collected {
+    /// The views of the image files, then those of the bags.
+    pub views: Vec<View>,
+    /// Every image file, then every view of the bags.
+    pub outcomes: Vec<Outcome>,
+    /// Frames read: image files and messages.
+    pub frames: u64,
+}
+
+impl Collected {
+    /// Fraction of the frame's area that the rings of the views cover, 0 to 1.
+    pub fn coverage(&self) -> f64 {
+        let mut coverage = Coverage::default();
+        for view in &self.views {
+            coverage.add(view);
+        }
+        coverage.fraction()
+    }
+}
+
+/// Which frames become views.
+#[derive(Debug, Clone)]
+pub struct Rules {
+    /// Of the image files; `None` keeps all of them.
+    pub files: Option<SessionRules>,
+    /// Of a bag.
+    pub stream: SessionRules,
+    /// How the camera is estimated while the views of a bag are chosen.
+    pub options: CalibrateOptions,
+}
+
+/// What was seen in one frame.
+struct Seen {
+    frame_id: String,
+    stamp: Stamp,
+    found: Result<Detection, String>,
+}
+
+/// Looks for the board in all frames, until there are no more or Ctrl-C says that these are enough.
+///
+/// # Errors
+/// Where Ctrl-C cannot be waited for. What cannot be read is an outcome or a warning.
+pub fn collect(
+    detector: &Detector,
+    inputs: Inputs,
+    rules: &Rules,
+    quiet: bool,
+) -> anyhow::Result<Collected> {
+    let stop = stop_flag()?;
+    let mut progress = Progress::new(quiet, inputs.frame_count());
+    let mut files = Files::default();
+    let mut stream = Stream::new(detector.board(), rules);
+    let look = |_: &Origin, frame: Frame| Seen {
+        found: detector.detect(&frame).map_err(|miss| miss.to_string()),
+        frame_id: frame.source,
+        stamp: frame.stamp,
+    };
+    let looking = Looking::on_all_cores(&stop, true);
+    looking.each(inputs.items(), look, |step| {
+        match step {
+            Step::Warning(text) => progress.warn(&text),
+            Step::Unreadable(origin, error) if origin.is_stream() => {
+                stream.unreadable(&origin, &error.to_string(), &progress);
+            }
+            Step::Unreadable(origin, error) => {
+                files.add(&origin, Err(error.to_string()), &progress);
+            }
+            Step::Repeat(origin) => stream.repeat(&origin),
+            Step::Looked(origin, seen) if origin.is_stream() => {
+                stream.add(&origin, &seen, &progress);
+            }
+            Step::Looked(origin, seen) => files.add(&origin, seen.found, &progress),
+        }
+        progress.tell(Counts {
+            frames: files.count() + stream.frames(),
+            boards: files.boards() + stream.boards(),
+            views: stream.views().len(),
+        });
+        Ok(ControlFlow::Continue(()))
+    })?;
+    progress.finish();
+    if stop.load(Ordering::Relaxed) {
+        let frames = files.count() + stream.frames();
+        progress.warn(&format!(
+            "stopped after {frames} frames; going on with what they show"
+        ));
+    }
+    stream.tell(&progress);
+    Ok(joined(detector.board(), files, &stream, rules))
+}
+
+/// The views of files and bags together; those of another size than most are not of the same camera.
+fn joined(board: &Board, files: Files, stream: &Stream, rules: &Rules) -> Collected {
+    let frames = files.count() + stream.frames();
+    let of_stream = stream.views();
+    let sizes = of_stream.iter().map(|view| (view.width, view.height));
+    let size = files::most_common_size(files.sizes().chain(sizes));
+    let session = |rules: &SessionRules| Session::new(board.clone(), *rules);
+    let mut collected = Collected {
+        views: Vec::new(),
+        outcomes: Vec::new(),
+        frames,
+    };
+    files.finish(&mut collected, rules.files.as_ref().map(session), size);
+    for view in of_stream {
+        match files::of_other_size((view.width, view.height), size) {
+            Some(reason) => {
+                let source = view.source.clone();
+                collected.outcomes.push(Outcome::NotUsed { source, reason });
+            }
+            None => {
+                collected
+                    .outcomes
+                    .push(Outcome::Used(collected.views.len()));
+                collected.views.push(view.clone());
+            }
+        }
+    }
+    collected
+}

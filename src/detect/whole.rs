@@ -1,0 +1,88 @@
+//! The board where all of it shows at a coarse level: most frames are done with a fraction of their pixels.
+//!
+//! Levels are looked at from the coarsest on. As soon as the candidates hold a lattice of just the board's rows and columns, (nearly)
+//! full, only these are measured. If all of the board's rings prove to be there, that is the board. Otherwise nothing is
+//! decided here, and the whole frame is searched at all levels (`rings`).
+
+use super::detector::DetectOptions;
+use super::grid::{Grid, find_grid};
+use super::labelling::{Lattice, extent, lattices};
+use super::ring_fit::{Care, RingFit, measure};
+use super::rings::spots;
+use super::scales::Scales;
+use crate::board::Board;
+use crate::centre::{Ellipse, RingEllipses};
+use rayon::prelude::*;
+
+/// Fraction of the board's rings (marks not among them) that have to show before they are measured.
+const LEAST_SHOWN: f64 = 0.75;
+
+/// The board, where all of its rings are found among those that a coarse level shows.
+pub(super) fn find_whole(
+    scales: &mut Scales,
+    board: &Board,
+    options: &DetectOptions,
+) -> Option<Grid> {
+    let wanted = board.ring_count() - board.marks().len();
+    let mut levels: Vec<Vec<RingEllipses>> = Vec::new();
+    let mut tried = 0;
+    for level in (0..scales.count()).rev() {
+        levels.insert(0, scales.rings(level).to_vec());
+        if (levels.iter().map(Vec::len).sum::<usize>() as f64) < LEAST_SHOWN * wanted as f64 {
+            continue;
+        }
+        let spots = spots(levels.iter().map(Vec::as_slice));
+        let Some(members) = whole_lattice(board, &spots) else {
+            continue;
+        };
+        if members.len() <= tried {
+            continue;
+        }
+        tried = members.len();
+        let grid = measured(scales, board, options, &spots, &members);
+        if grid.as_ref().is_some_and(|grid| grid.rings.len() >= wanted) {
+            return grid;
+        }
+    }
+    None
+}
+
+/// Numbers of the candidates in the lattice that is the board and nothing else.
+fn whole_lattice(board: &Board, spots: &[Vec<RingEllipses>]) -> Option<Vec<usize>> {
+    let outers: Vec<Ellipse> = spots.iter().map(|spot| spot[0].outer).collect();
+    let spacing = board.pitch_m() / board.outer_radius_m();
+    let found = lattices(&outers, spacing);
+    let lattice: &Lattice = found.first()?;
+    let least = LEAST_SHOWN * (board.ring_count() - board.marks().len()) as f64;
+    let ((left, right), (top, bottom)) = extent(lattice.members.keys().copied());
+    let seen = ((bottom - top + 1) as usize, (right - left + 1) as usize);
+    let (rows, columns) = (usize::from(board.rows()), usize::from(board.columns()));
+    let is_board = seen == (rows, columns) || seen == (columns, rows);
+    // a second one of the same kind has to be told of
+    let alone = found
+        .get(1)
+        .is_none_or(|l| 2 * l.members.len() < board.ring_count());
+    (is_board && alone && lattice.members.len() as f64 >= least)
+        .then(|| lattice.members.values().copied().collect())
+}
+
+fn measured(
+    scales: &Scales,
+    board: &Board,
+    options: &DetectOptions,
+    spots: &[Vec<RingEllipses>],
+    members: &[usize],
+) -> Option<Grid> {
+    let (sign, ratio) = (scales.sign, board.radius_ratio());
+    let care = Care::of(options.estimator);
+    let rings: Vec<RingFit> = members
+        .par_iter()
+        .filter_map(|&at| {
+            let tried = spots[at].iter();
+            let mut fits =
+                tried.filter_map(|rough| measure(scales.frame, rough, sign, ratio, care));
+            fits.next()
+        })
+        .collect();
+    find_grid(scales.frame, board, &rings, sign, options).ok()
+}

@@ -2,21 +2,15 @@
 //!
 //! The first pass takes a ring's perspective from a smooth map through the centres of its own view; the camera knows it from all
 //! views. Where a view has kept a ring's pixels they are fitted again with the camera's shape; where it has kept the fit
-//! alone, the centre moves as the fit's covariance says. All rings of a view together tell how its blur changes over a tilted
-//! board, and what that does to each centre (`uneven_blur`). Calibrate, refine, calibrate: two passes are enough.
-
-mod uneven_blur;
+//! alone, the centre moves as the fit's covariance says. Calibrate, refine, calibrate: two passes are enough.
 
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
 use crate::camera::Pose;
 use crate::centre::photometric::{KnownRing, Shape, refit, shape_under};
 use crate::session::View;
-use nalgebra::{Point2, Vector2};
+use nalgebra::Point2;
 use rayon::prelude::*;
-
-/// Blur that changes over a board moves a centre by hundredths of a pixel; more is a view whose blur was not understood.
-const MOST_DISPLACED_PX: f64 = 0.3;
 
 /// Calibrates, finds the centres again with that camera, and calibrates from those. Where no ring was measured photometrically there
 /// is nothing to find again, and the first calibration is the result. Returns the views it comes from, too.
@@ -65,22 +59,11 @@ fn refine_view(board: &Board, view: &View, calibration: &Calibration, pose: &Pos
             Some((place, KnownRing { kept, shape }))
         })
         .unzip();
-    let ratio = board.radius_ratio();
-    let again = refit(&rings, ratio);
-    let uneven = uneven_blur::gradient(view);
-    let displaced: Vec<Vector2<f64>> = rings
-        .par_iter()
-        .map(|ring| {
-            let moved = uneven_blur::displacement(&ring.kept.fitted.model, ratio, uneven?);
-            moved.filter(|moved| moved.norm() < MOST_DISPLACED_PX)
-        })
-        .map(Option::unwrap_or_default)
-        .collect();
     let mut refined = view.clone();
-    for ((place, again), displaced) in places.into_iter().zip(again).zip(displaced) {
+    for (place, again) in places.into_iter().zip(refit(&rings, board.radius_ratio())) {
         if let Some((point, covariance)) = again {
             let centre = &mut refined.rings[place].centre;
-            centre.point = point - displaced;
+            centre.point = point;
             centre.covariance = Some(covariance);
         }
     }

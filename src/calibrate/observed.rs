@@ -11,12 +11,12 @@ use crate::board::Board;
 use crate::camera::Pose;
 use crate::centre::photometric::bent;
 use crate::centre::{CentreEstimator, Estimator, RingEllipses};
-use crate::detect::ellipse_through;
+use crate::detect::ellipse_along;
 use nalgebra::{Point2, Vector2};
 use rayon::prelude::*;
 
-/// Points of a circle that are sent through the camera.
-const POINTS: usize = 24;
+/// Points of a circle that are sent through the camera: what they leave of a bend is of its eleventh period.
+const POINTS: usize = 12;
 
 /// A ring of the board before the camera.
 struct RingBefore<'a> {
@@ -24,29 +24,40 @@ struct RingBefore<'a> {
     shared: &'a Shared,
     pose: &'a Pose,
     centre_m: [f64; 2],
+    circle: &'a Circle,
 }
 
+/// Points of the circle of radius 1.
+type Circle = [Vector2<f64>; POINTS];
+
 /// Predicts `bias_px` of every ring that is measured by this estimator; among rings with a covariance one without was measured on its
-/// edges.
+/// edges. Says whether anything changed.
 pub(super) fn predict(
     board: &Board,
     shared: &Shared,
     poses: &[Option<Pose>],
     rings: &mut [Vec<Observation>],
     estimator: Estimator,
-) {
+) -> bool {
     let construction = estimator.construction();
     let fallback = Estimator::FALLBACK.construction();
     let with_covariance = rings.iter().flatten().any(|ring| ring.has_covariance);
-    rings.par_iter_mut().zip(poses).for_each(|(rings, pose)| {
-        let Some(pose) = pose else { return };
+    let circle: Circle = std::array::from_fn(|i| {
+        let (sin, cos) = (std::f64::consts::TAU * i as f64 / POINTS as f64).sin_cos();
+        Vector2::new(cos, sin)
+    });
+    let changed = rings.par_iter_mut().zip(poses).map(|(rings, pose)| {
+        let Some(pose) = pose else { return false };
+        let mut changed = false;
         for ring in rings {
             let before = RingBefore {
                 board,
                 shared,
                 pose,
                 centre_m: ring.board_m,
+                circle: &circle,
             };
+            let last = ring.bias_px;
             let edges = construction
                 .as_ref()
                 .or(fallback.as_ref().filter(|_| !ring.has_covariance));
@@ -57,8 +68,11 @@ pub(super) fn predict(
                 None => bent(|d| before.image(d), board.radius_ratio()),
             }
             .unwrap_or_default();
+            changed |= ring.bias_px != last;
         }
+        changed
     });
+    changed.reduce(|| false, |a, b| a || b)
 }
 
 impl RingBefore<'_> {
@@ -77,12 +91,11 @@ impl RingBefore<'_> {
     /// What a construction on the two ellipses gives less the projected centre, px; `None` where the ring has no image.
     fn bias_on_edges_px(&self, construction: &dyn CentreEstimator) -> Option<Vector2<f64>> {
         let ellipse = |radius: f64| {
-            let points = (0..POINTS).map(|i| {
-                let (sin, cos) = (std::f64::consts::TAU * i as f64 / POINTS as f64).sin_cos();
-                self.image(Vector2::new(cos, sin) * radius)
-            });
-            let points: Vec<Point2<f64>> = points.collect::<Option<_>>()?;
-            ellipse_through(&points)
+            let mut points = [Point2::origin(); POINTS];
+            for (point, direction) in points.iter_mut().zip(self.circle) {
+                *point = self.image(direction * radius)?;
+            }
+            ellipse_along(&points)
         };
         let ellipses = RingEllipses {
             inner: ellipse(self.board.radius_ratio())?,

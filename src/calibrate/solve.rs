@@ -146,15 +146,18 @@ fn exact(
     roll: &mut Roll,
     (free, options): (&Free, &CalibrateOptions),
 ) -> Result<Adjusted, CalibrateError> {
-    let mut last = None;
+    let mut last: Option<Adjusted> = None;
     for _ in 0..PREDICTIONS {
-        observed::predict(
+        let changed = observed::predict(
             board,
             shared,
             &roll.poses,
             &mut roll.rings,
             options.estimator,
         );
+        if !changed && last.is_some() {
+            break;
+        }
         let rings = roll.active_rings();
         let adjusted = adjust(roll.solution(*shared), &rings, free, Goal::Exact)
             .ok_or(CalibrateError::NotConverged { iterations: 0 })?;

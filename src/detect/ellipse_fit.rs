@@ -17,6 +17,8 @@ const LEAST_SCALE_PX: f64 = 0.01;
 const SUSPICIOUS: (f64, f64) = (0.95, 0.02);
 /// Subsets of five points that the second start tries: with a third of the points elsewhere, one in eight is good.
 const SUBSETS: usize = 60;
+/// Reweighted solutions of points without noise or outliers: weights follow from slopes, which the first solution knows to the bend.
+const ALONG_ROUNDS: usize = 2;
 /// An ellipse has five parameters; fewer points than this determine none reliably.
 const LEAST_POINTS: usize = 8;
 
@@ -78,9 +80,27 @@ pub(super) fn fit_ellipse(points: &[Point2<f64>], settled: f64) -> Option<Ellips
     })
 }
 
-/// The ellipse through points that surround it; `None` where they determine none.
-pub(crate) fn ellipse_through(points: &[Point2<f64>]) -> Option<Ellipse> {
-    fit_ellipse(points, SETTLED).map(|fit| fit.ellipse)
+/// The ellipse that agrees best with all points of a smooth curve which is one but for a bend; `None` where there is none. It is what
+/// [`fit_ellipse`] gives of edges along that curve, whose noise is larger than the bend.
+pub(crate) fn ellipse_along<const POINTS: usize>(
+    points: &[Point2<f64>; POINTS],
+) -> Option<Ellipse> {
+    let sum: nalgebra::Vector2<f64> = points.iter().map(|p| p.coords).sum();
+    let origin = Point2::from(sum / POINTS as f64);
+    let scale = POINTS as f64 / points.iter().map(|p| (p - origin).norm()).sum::<f64>();
+    let unit = points.map(|p| Point2::from((p - origin) * scale));
+    let mut conic = solve(&unit, &[1.0; POINTS])?;
+    for _ in 0..ALONG_ROUNDS {
+        let weights = unit.map(|p| sampson(&conic, &p).1.powi(2).max(1e-12).recip());
+        conic = solve(&unit, &weights)?;
+    }
+    let ellipse = Ellipse::from_conic(&matrix(&conic))?;
+    Some(Ellipse {
+        centre: origin + ellipse.centre.coords / scale,
+        major: ellipse.major / scale,
+        minor: ellipse.minor / scale,
+        angle: ellipse.angle,
+    })
 }
 
 /// A solution in units of the points' mean radius.
@@ -220,6 +240,23 @@ mod tests {
         assert!((fit.ellipse.major - TRUTH.major).abs() < 1e-9);
         assert!((fit.ellipse.angle - TRUTH.angle).abs() < 1e-9);
         assert_eq!(fit.inliers, 1.0);
+    }
+
+    #[test]
+    fn a_bent_curve_gives_the_ellipse_that_many_edges_on_it_give() {
+        // a bend with three periods, as a lens makes it, and what perspective does not
+        let bent = |i: usize, n: usize| {
+            let t = std::f64::consts::TAU * i as f64 / n as f64;
+            TRUTH.point(t) + (TRUTH.point(t) - TRUTH.centre) * (1e-4 * (3.0 * t + 0.4).cos())
+        };
+        let few: [Point2<f64>; 12] = std::array::from_fn(|i| bent(i, 12));
+        let many: Vec<Point2<f64>> = (0..300).map(|i| bent(i, 300)).collect();
+        let (few, many) = (
+            ellipse_along(&few).unwrap(),
+            fit_ellipse(&many, SETTLED).unwrap().ellipse,
+        );
+        assert!((few.centre - many.centre).norm() < 1e-6);
+        assert!((few.major - many.major).abs() < 1e-5);
     }
 
     #[test]

@@ -29,5 +29,5 @@ mod whole;
 
 pub use detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
 pub use detector::{DetectOptions, Detector};
-pub(crate) use ellipse_fit::ellipse_through;
+pub(crate) use ellipse_fit::ellipse_along;
 pub use required::Required;

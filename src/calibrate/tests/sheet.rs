@@ -118,14 +118,12 @@ fn a_biased_construction_is_predicted_and_its_camera_is_not_biased() {
             for ring in &mut view.rings {
                 let [x, y] = board.centre_m(ring.row, ring.column);
                 let ellipse = |radius: f64| {
-                    let points: Vec<_> = (0..90)
-                        .map(|i| {
-                            let (sin, cos) = (f64::from(i) * 4.0_f64.to_radians()).sin_cos();
-                            let place = [x + radius * cos, y + radius * sin];
-                            camera.project(&pose.board_to_camera(place)).unwrap()
-                        })
-                        .collect();
-                    crate::detect::ellipse_through(&points).unwrap()
+                    let points: [_; 90] = std::array::from_fn(|i| {
+                        let (sin, cos) = (4.0 * i as f64).to_radians().sin_cos();
+                        let place = [x + radius * cos, y + radius * sin];
+                        camera.project(&pose.board_to_camera(place)).unwrap()
+                    });
+                    crate::detect::ellipse_along(&points).unwrap()
                 };
                 let ellipses = crate::centre::RingEllipses {
                     inner: ellipse(board.inner_radius_m()),

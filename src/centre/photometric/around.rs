@@ -26,7 +26,7 @@ pub(super) fn around(
 }
 
 /// Whether a ring's light falls into a window.
-fn reaches(model: &RingModel, grid: &Grid) -> bool {
+pub(super) fn reaches(model: &RingModel, grid: &Grid) -> bool {
     let [xx, xy, yy] = model.shape.affine;
     let determinant = xx * yy - xy * xy;
     let reach = REACH_SIGMAS * model.blur.sigma_px() + 1.0;

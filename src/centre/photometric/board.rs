@@ -19,6 +19,7 @@ use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
 use super::under::Under;
+use super::uneven::even_out;
 use super::usual::{MOST_IF_GIVEN, Usual};
 use crate::camera::Camera;
 use crate::centre::Ellipse;
@@ -112,6 +113,7 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);
     }
+    even_out(board, &mut rings);
     Usual::leave_out_covered(&mut rings);
     finish(board, verdict.psf, rings, &camera)
 }

@@ -12,7 +12,9 @@ use super::disc::Disc;
 use super::gaussian::{Gaussian, LEAST_SIGMA};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::sharp::{self, SharpCircle};
+use super::uneven::resweep;
 use super::window::Grid;
+use nalgebra::Vector2;
 
 /// Pixels that are computed at once; rows are padded to whole multiples.
 pub(super) const LANES: usize = 8;
@@ -64,6 +66,71 @@ impl Coverage {
         contrasts: Option<Contrasts>,
         base: Option<&[Plane; 2]>,
     ) -> Option<()> {
+        self.clear(grid, base, contrasts.is_some());
+        let (psf, kernel_size) = kernel_of(blur, grid);
+        for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
+            let contrast = contrasts.map(|both| both[circle] as f32);
+            let sharp = (psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA)
+                .then(|| SharpCircle::new(grid, shape, radius, kernel_size.max(LEAST_SIGMA)));
+            if let Some(sharp) = sharp.flatten() {
+                let planes = (&mut self.circles[circle], &mut self.changes);
+                sharp.cover(grid, planes, contrast);
+                continue;
+            }
+            trace(
+                &mut self.nodes,
+                grid,
+                shape,
+                radius,
+                spacing(psf, kernel_size),
+            )?;
+            self.lay(grid, (psf, kernel_size), circle, contrast);
+        }
+        if psf != blur.psf && contrasts.is_some() {
+            // a disc that is taken for a Gaussian of half its size
+            let by_blur = self.changes[SHAPE_PARAMETERS].iter_mut();
+            by_blur.for_each(|change| *change *= 0.5);
+        }
+        Some(())
+    }
+
+    /// The three pictures that blur which changes by `slope` (px per px) is made of, as the first of the changes (`uneven`); `None` where
+    /// the circles are no ellipses, or as good as sharp.
+    #[inline(always)]
+    pub(super) fn fill_uneven(
+        &mut self,
+        grid: &Grid,
+        (shape, blur): (&Shape, &Blur),
+        (ratio, contrasts): (f64, Contrasts),
+        slope: Vector2<f64>,
+    ) -> Option<()> {
+        let (psf, kernel_size) = kernel_of(blur, grid);
+        if psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA {
+            return None;
+        }
+        self.clear(grid, None, true);
+        for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
+            trace(
+                &mut self.nodes,
+                grid,
+                shape,
+                radius,
+                spacing(psf, kernel_size),
+            )?;
+            resweep(&mut self.nodes, grid, shape.centre, slope);
+            self.lay(
+                grid,
+                (psf, kernel_size),
+                circle,
+                Some(contrasts[circle] as f32),
+            );
+        }
+        Some(())
+    }
+
+    /// Empties the planes, but for what `base` holds.
+    #[inline(always)]
+    fn clear(&mut self, grid: &Grid, base: Option<&[Plane; 2]>, changes: bool) {
         let size = grid.stride() * grid.height;
         for (circle, plane) in self.circles.iter_mut().enumerate() {
             plane.clear();
@@ -72,50 +139,55 @@ impl Coverage {
                 None => plane.resize(size, 0.0),
             }
         }
-        if contrasts.is_some() {
+        if changes {
             for plane in &mut self.changes {
                 plane.clear();
                 plane.resize(size, 0.0);
             }
         }
-        let kernel_size = blur.size_px / grid.pixel_px;
-        let (psf, kernel_size, growth) = match blur.psf {
-            Psf::Disc if kernel_size < SMALL_DISC => (Psf::Gaussian, 0.5 * kernel_size, 0.5),
-            psf => (psf, kernel_size, 1.0),
-        };
-        for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
-            let contrast = contrasts.map(|both| both[circle] as f32);
-            let outline = Outline {
-                nodes: &mut self.nodes,
-                room: &mut self.room,
-                grid,
-                shape,
-                radius,
-            };
-            let planes = (&mut self.circles[circle], &mut self.changes);
-            let sharp = (psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA)
-                .then(|| SharpCircle::new(grid, shape, radius, kernel_size.max(LEAST_SIGMA)));
-            if let Some(sharp) = sharp.flatten() {
-                sharp.cover(grid, planes, contrast);
-                continue;
+    }
+
+    /// Lays the stamps of the nodes, which are those of one of the circles.
+    #[inline(always)]
+    fn lay(
+        &mut self,
+        grid: &Grid,
+        (psf, kernel_size): (Psf, f64),
+        circle: usize,
+        contrast: Option<f32>,
+    ) {
+        let planes = (&mut self.circles[circle], &mut self.changes);
+        match psf {
+            Psf::Gaussian => {
+                let outline = Outline {
+                    nodes: &self.nodes,
+                    room: &mut self.room,
+                    grid,
+                };
+                outline.cover(&mut self.gaussian, kernel_size, planes, contrast);
             }
-            match psf {
-                Psf::Gaussian => {
-                    outline.cover(&mut self.gaussian, kernel_size, planes, contrast)?
-                }
-                Psf::Disc => {
-                    let spacing = Disc::spacing(kernel_size);
-                    trace(outline.nodes, grid, shape, radius, spacing)?;
-                    let disc = (grid, outline.nodes.as_slice(), kernel_size);
-                    self.disc.cover(disc, planes, contrast);
-                }
+            Psf::Disc => {
+                let disc = (grid, self.nodes.as_slice(), kernel_size);
+                self.disc.cover(disc, planes, contrast);
             }
         }
-        if growth != 1.0 && contrasts.is_some() {
-            let by_blur = self.changes[SHAPE_PARAMETERS].iter_mut();
-            by_blur.for_each(|change| *change *= growth);
-        }
-        Some(())
+    }
+}
+
+/// The kernel that stands for a blur, and its size in pixels of the grid.
+fn kernel_of(blur: &Blur, grid: &Grid) -> (Psf, f64) {
+    let size = blur.size_px / grid.pixel_px;
+    match blur.psf {
+        Psf::Disc if size < SMALL_DISC => (Psf::Gaussian, 0.5 * size),
+        psf => (psf, size),
+    }
+}
+
+/// How close its nodes must be, pixels of the grid.
+fn spacing(psf: Psf, size: f64) -> f64 {
+    match psf {
+        Psf::Gaussian => Gaussian::spacing(size),
+        Psf::Disc => Disc::spacing(size),
     }
 }
 
@@ -176,13 +248,11 @@ pub(super) fn touched(node: &Node, reach: f32, grid: &Grid, table: usize) -> Sta
     }
 }
 
-/// One circle of a shape, to be drawn on a window.
+/// One circle of a ring, to be drawn on a window.
 struct Outline<'a> {
-    nodes: &'a mut Vec<Node>,
+    nodes: &'a [Node],
     room: &'a mut Room,
     grid: &'a Grid,
-    shape: &'a Shape,
-    radius: f64,
 }
 
 impl Outline<'_> {
@@ -194,9 +264,8 @@ impl Outline<'_> {
         size: f64,
         (values, changes): (&mut Plane, &mut [Plane; COVERAGE_PARAMETERS]),
         contrast: Option<f32>,
-    ) -> Option<()> {
+    ) {
         let (nodes, grid) = (self.nodes, self.grid);
-        trace(nodes, grid, self.shape, self.radius, K::spacing(size))?;
         kernel.prepare(grid, nodes, size);
         self.room.sum_beyond(kernel, nodes, grid);
         let mut strip = Strip {
@@ -213,7 +282,6 @@ impl Outline<'_> {
                 Some(contrast) => strip.lay_all(values, changes, contrast),
             }
         }
-        Some(())
     }
 }
 

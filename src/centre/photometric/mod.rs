@@ -51,6 +51,7 @@ mod sheet_start;
 mod start;
 mod trust;
 mod under;
+mod uneven;
 mod usual;
 mod window;
 

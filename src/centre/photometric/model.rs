@@ -98,6 +98,12 @@ impl RingModel {
         [self.ring - self.paper, self.inside - self.ring]
     }
 
+    /// The shading along one row.
+    pub(super) fn shades(&self, grid: &Grid, row: usize) -> impl Iterator<Item = f32> + use<> {
+        let shades = Shades::new(self, grid, row);
+        (0..grid.stride()).map(move |i| shades.at(i))
+    }
+
     /// Light of the pixels of one row, from the coverages of both circles there and what is missing of the sheet.
     #[inline(always)]
     pub(super) fn light(

@@ -9,6 +9,7 @@ use super::model::{Matrix, RingModel, Rows, Vector};
 use super::shape::Shape;
 use super::sheet::SheetRow;
 use super::window::{Grid, Window};
+use nalgebra::Vector2;
 use pulp::Arch;
 
 /// What is fitted to what.
@@ -156,6 +157,39 @@ impl Workspace {
             }
         }
         Some(())
+    }
+
+    /// What blur that grows by `slope` (px per px) over a ring adds to its unshaded light, in padded rows (`uneven` has the equation); `None`
+    /// where it is no ring, or as good as sharp.
+    pub(super) fn uneven(
+        &mut self,
+        grid: &Grid,
+        model: &RingModel,
+        ratio: f64,
+        slope: Vector2<f64>,
+    ) -> Option<&[f32]> {
+        let (shape, blur) = (&model.shape, &model.blur);
+        self.dispatch(
+            #[inline(always)]
+            |room| {
+                let known = (ratio, model.contrasts());
+                let coverage = &mut room.coverage;
+                coverage.fill_uneven(grid, (shape, blur), known, slope)?;
+                let [whole, by_x, by_y, ..] = &coverage.changes;
+                let scale = (1.0 / blur.size_px) as f32;
+                room.residuals.clear();
+                for i in 0..grid.stride() * grid.height {
+                    let (column, row) = (i % grid.stride(), i / grid.stride());
+                    let x = (grid.x(column) - shape.centre.x) as f32;
+                    let y = (grid.y(row) - shape.centre.y) as f32;
+                    // contrasts are inside less outside, the step is the other way round
+                    let added = scale * (x * by_x[i] + y * by_y[i] - whole[i]);
+                    room.residuals.push(added);
+                }
+                Some(())
+            },
+        )?;
+        Some(&self.residuals)
     }
 
     /// Residuals of all pixels of a window under a model, in padded rows; zero where a pixel does not count.

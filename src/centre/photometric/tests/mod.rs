@@ -3,6 +3,7 @@
 mod boards;
 mod rings;
 mod sheet;
+mod uneven;
 
 use super::blur::{Blur, Psf};
 use super::coverage::COVERAGE_PARAMETERS;

@@ -11,7 +11,7 @@ use super::detection::{Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::{Grid, Placed};
 use crate::board::Board;
-use crate::centre::Estimator;
+use crate::centre::{Ellipse, Estimator};
 use crate::frame::Frame;
 
 /// A line is in doubt where fewer than this fraction of its rings showed edges.
@@ -22,6 +22,9 @@ const CONTRASTS: (f64, f64) = (0.4, 2.0);
 const BLURS: (f64, f64) = (0.6, 1.6);
 /// At least this fraction of a doubtful line's rings must be like the others.
 const ALIKE: f64 = 0.5;
+
+/// Edges deceive from this blur on, sigma over the ring's width.
+const DROWNED: f64 = 0.3;
 
 /// An outermost row or column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -188,7 +191,8 @@ fn seen(board: &Board, line: Line, placed: &[Placed]) -> f64 {
     seen.count() as f64
 }
 
-/// Whether no ring of a line could be measured, while most of the others could: blots that show edges like a ring's.
+/// Whether no ring of a line could be measured, while most of the others could, in a blur that makes blots of their edges. (In a sharp
+/// picture edges do not deceive, and it is the model that does not describe the line: a lens that bends much.)
 fn is_unmeasured(board: &Board, line: Line, rings: &[Ring]) -> bool {
     let measured = |of_line: bool| {
         let of_line = rings
@@ -203,7 +207,15 @@ fn is_unmeasured(board: &Board, line: Line, rings: &[Ring]) -> bool {
         (all, measured)
     };
     let ((_, own), (others, measured)) = (measured(true), measured(false));
-    own == 0 && 2 * measured > others
+    let blurred = rings.iter().filter(|ring| is_drowned(ring)).count();
+    own == 0 && 2 * measured > others && 2 * blurred > rings.len()
+}
+
+/// Whether a ring's blur is so heavy that its edges are not where they seem to be.
+fn is_drowned(ring: &Ring) -> bool {
+    let size = |ellipse: &Ellipse| (ellipse.major * ellipse.minor).sqrt();
+    let width = size(&ring.ellipses.outer) - size(&ring.ellipses.inner);
+    ring.blur_sigma_px > DROWNED * width
 }
 
 /// Whether so many rings of a line (and one at least) have grey values like those of the rings elsewhere.

@@ -9,6 +9,7 @@
 //!    (`observability`), however small their residuals are.
 
 mod adjust;
+mod assess;
 mod calibration;
 mod check;
 mod cross_validation;
@@ -34,6 +35,7 @@ mod start_homography;
 mod uncertainty;
 mod zhang;
 
+pub use assess::{Assessment, Criterion, Facts, Grade, Rule, assess, refused};
 pub use calibration::{Calibration, ViewFit};
 pub use check::{Cell, Check, FIELD, Verdict, check};
 pub use cross_validation::{CrossValidation, FOLDS, ModelScore, choose_model, cross_validate};

@@ -7,6 +7,7 @@
 //! 4. `roll` leaves out rings and views that contradict the solution, and 3 is repeated until nothing changes.
 //! 5. The covariance of the parameters is that of least squares (`uncertainty`); views that leave the camera open are refused
 //!    (`observability`), however small their residuals are.
+//! 6. What the result is worth, as one word and a sentence, is `assess`'s to say, by written rules.
 
 mod adjust;
 mod assess;

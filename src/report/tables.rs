@@ -81,14 +81,19 @@ pub(super) fn parameters(report: &Report) -> String {
         .zip(numbers)
         .map(|(name, (value, std))| {
             // pixels to a ten-thousandth, what has no unit to as many digits as anyone uses
-            let digits = if matches!(*name, "fx" | "fy" | "cx" | "cy") { 4 } else { 8 };
+            let digits = if matches!(*name, "fx" | "fy" | "cx" | "cy") {
+                4
+            } else {
+                8
+            };
             let std = if calibration.fixed.contains(name) {
                 "fixed".to_owned()
             } else {
                 format!("{std:.digits$}")
             };
             format!(
-                "<tr><td>{name}</td><td class=\"n\">{value:.digits$}</td><td class=\"n\">{std}</td><td class=\"soft\">{}</td></tr>\n",
+                "<tr><td>{name}</td><td class=\"n\">{value:.digits$}</td><td class=\"n\">{std}</td>\
+                 <td class=\"soft\">{}</td></tr>\n",
                 meaning(name)
             )
         })
@@ -96,8 +101,9 @@ pub(super) fn parameters(report: &Report) -> String {
     format!(
         "<h2>Parameters</h2>\n<div class=\"scroll\"><table id=\"parameters\">\n<tr><th>Name</th><th class=\"n\">Value</th>\
          <th class=\"n\">Standard deviation</th><th></th></tr>\n{rows}</table></div>\n\
-         <p class=\"soft\">The standard deviations count the noise of the centres, not an error that all views share. Parameters move \
-         together: a large one in k2 and k3 may well mean little in the picture. What it comes to there is in the figures.</p>\n"
+         <p class=\"soft\">The standard deviations count the noise of the centres, not an error that all views share. \
+         Parameters move together: a large one in k2 and k3 may well mean little in the picture. \
+         What it comes to there is in the figures.</p>\n"
     )
 }
 
@@ -164,7 +170,8 @@ pub(super) fn left_out(report: &Report) -> String {
         more => format!("<p>And {more} more; calibration.json has them all.</p>\n"),
     };
     format!(
-        "<h2>What was left out</h2>\n<div class=\"scroll\"><table id=\"left-out\">\n<tr><th>What</th><th>Why</th></tr>\n{rows}</table></div>\n{more}"
+        "<h2>What was left out</h2>\n<div class=\"scroll\"><table id=\"left-out\">\n<tr><th>What</th>\
+         <th>Why</th></tr>\n{rows}</table></div>\n{more}"
     )
 }
 

@@ -72,8 +72,8 @@ pub(super) fn section(report: &Report) -> String {
                 let times =
                     magnification(solved.calibration.rms_px, scale(f64::from(camera.width)));
                 format!(
-                    "{shown}worst first. Blue: the outer circle of each ring as it was found. Orange: measured less computed centre, \
-                     {times} times as long as it is. Red: left out."
+                    "{shown}worst first. Blue: the outer circle of each ring as it was found. Orange: measured less computed \
+                     centre, {times} times as long as it is. Red: left out."
                 )
             }
             None => format!(
@@ -86,7 +86,8 @@ pub(super) fn section(report: &Report) -> String {
     }
     if !missed.is_empty() {
         text += &format!(
-            "<h2>Pictures of files that were not used</h2>\n<p>At most {MISSED_PICTURES} of them.</p>\n<div class=\"thumbs\">\n{missed}</div>\n"
+            "<h2>Pictures of files that were not used</h2>\n<p>At most {MISSED_PICTURES} of them.</p>\n\
+             <div class=\"thumbs\">\n{missed}</div>\n"
         );
     }
     text

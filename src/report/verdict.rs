@@ -56,16 +56,18 @@ pub(super) fn criteria(assessment: &Assessment) -> String {
     }
     let rows: String = assessment.criteria.iter().map(row).collect();
     format!(
-        "<h2>Why</h2>\n<p>The verdict is that of the worst line.</p>\n<div class=\"scroll\"><table id=\"criteria\">\n<tr><th>What</th>\
-         <th class=\"n\">Here</th><th>Good</th><th>Usable</th><th></th></tr>\n{rows}</table></div>\n"
+        "<h2>Why</h2>\n<p>The verdict is that of the worst line.</p>\n<div class=\"scroll\"><table \
+         id=\"criteria\">\n<tr><th>What</th>\
+         <th class=\"n\">Here</th><th></th><th class=\"n\">Good</th><th class=\"n\">Usable</th></tr>\n{rows}</table></div>\n"
     )
 }
 
 fn row(criterion: &Criterion) -> String {
     let rule = criterion.rule;
-    let [good, usable] = rule.limits().map(|limit| rule.limit_text(limit));
+    let [good, usable] = rule.limits().map(|limit| rule.limit_short(limit));
     format!(
-        "<tr><td>{}</td><td class=\"n\">{}</td><td>{good}</td><td>{usable}</td><td class=\"grade {}\">{}</td></tr>\n",
+        "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"grade {}\">{}</td>\
+         <td class=\"n\">{good}</td><td class=\"n\">{usable}</td></tr>\n",
         rule.question(),
         criterion.text(),
         class(criterion.grade),

@@ -43,8 +43,7 @@ from_packages() {
   <dir>/usr/share/fonts</dir>
   <dir>$folder/root/usr/share/fonts</dir>
   <cachedir>$folder/fonts</cachedir>
-  <alias><family>system-ui</family><prefer><family>DejaVu Sans</family></prefer></alias>
-  <alias><family>sans-serif</family><prefer><family>DejaVu Sans</family></prefer></alias>
+  <match target="pattern"><edit name="family" mode="append_last"><string>DejaVu Sans</string></edit></match>
 </fontconfig>
 END
   # every folder with libraries: some packages have one of their own

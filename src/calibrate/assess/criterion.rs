@@ -95,13 +95,24 @@ impl Rule {
         }
     }
 
-    /// A limit with its unit, without digits that say nothing.
+    /// A limit with its unit, as a phrase.
     pub fn limit_text(self, limit: f64) -> String {
-        let sign = if self.rises() { "at least" } else { "at most" };
+        let phrase = if self.rises() { "at least" } else { "at most" };
+        format!("{phrase} {}", self.round(limit))
+    }
+
+    /// The same for a table.
+    pub fn limit_short(self, limit: f64) -> String {
+        let sign = if self.rises() { '\u{2265}' } else { '\u{2264}' };
+        format!("{sign} {}", self.round(limit))
+    }
+
+    /// A limit with its unit, without digits that say nothing.
+    fn round(self, limit: f64) -> String {
         match self {
-            Self::Certainty | Self::Misfit => format!("{sign} {limit} px"),
-            Self::Prediction => format!("{sign} {limit} times"),
-            _ => format!("{sign} {}", self.text(limit)),
+            Self::Certainty | Self::Misfit => format!("{limit} px"),
+            Self::Prediction => format!("{limit} times"),
+            _ => self.text(limit),
         }
     }
 
@@ -180,7 +191,7 @@ impl Criterion {
             Rule::Certainty => {
                 let at = self.at.unwrap_or_default();
                 format!(
-                    "near pixel ({:.0}, {:.0}) the camera is uncertain by {value}",
+                    "near pixel ({:.0}, {:.0}) it is uncertain by {value} where a thing is seen",
                     at.x, at.y
                 )
             }

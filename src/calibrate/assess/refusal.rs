@@ -31,18 +31,18 @@ fn advice(error: &CalibrateError, inputs: u64) -> Vec<String> {
             ),
             show.to_owned(),
         ],
-        E::TooFewViews { .. } => vec![
+        E::TooFewViews { found } if (*found as u64) < inputs => vec![
             show.to_owned(),
-            "Frames in which the board was not found are listed below, with the reason.".to_owned(),
+            "Inputs in which the board was not found are listed below, with the reason.".to_owned(),
         ],
         E::TooFewLeft { .. } => vec![
             "The views contradict one another. Does the board file describe this print, and do all frames show it?"
                 .to_owned(),
             one_camera.to_owned(),
         ],
-        E::Parallel { .. } | E::Undetermined { .. } => vec![
-            "A board that always stands the same way fits every focal length: a near and small camera sees it as a far \
-             and large one does. Only tilt tells them apart."
+        E::Parallel { .. } | E::Undetermined { name: "fx" | "fy", .. } => vec![
+            "A board that always stands the same way fits every focal length: a longer lens, farther away, would see it just \
+             the same. Only tilt tells them apart."
                 .to_owned(),
             show.to_owned(),
         ],
@@ -50,7 +50,9 @@ fn advice(error: &CalibrateError, inputs: u64) -> Vec<String> {
             "Show the board in the parts of the frame where no ring was seen, corners and edges first.".to_owned(),
             "Or ask for less: --fix k3, or --fix radial=1.".to_owned(),
         ],
-        E::TooFewMeasurements { .. } => vec![show.to_owned()],
+        E::TooFewViews { .. } | E::TooFewMeasurements { .. } | E::Undetermined { .. } => {
+            vec![show.to_owned()]
+        }
         E::NotConverged { .. } | E::Absurd { .. } => vec![
             one_camera.to_owned(),
             "Does the board file describe this print? Then add views at other tilts.".to_owned(),

@@ -164,7 +164,7 @@ fn errors_that_grow_outward_are_seen_by_radius() {
             "{at}: {told:?}"
         );
         // they are not all at the same distance, and hardly scatter
-        assert!(told.chance < 0.1 * told.rms, "{told:?}");
+        assert!(told.chance < 0.3 * told.rms, "{told:?}");
     }
     let told = bins.iter().filter(|bin| bin.told().is_some()).count();
     let svg = by_radius(&views, &calibration).svg.finish();

@@ -56,8 +56,8 @@ pub(in crate::report) fn uncertainty(calibration: &Calibration, range: Range) ->
         title: format!("Projection uncertainty {place}"),
         svg: plot.svg,
         reading: format!(
-            "By how many px (one standard deviation, in the worst direction) a thing {place}{why} would be seen elsewhere by \
-             the camera of another calibration from as many such views. At worst {worst_px:.3} px, in the framed cell."
+            "By how many px (one standard deviation, in the worst direction) a thing {place}{why} would be seen elsewhere if \
+             you calibrated again from as many such views. At worst {worst_px:.3} px, in the framed cell."
         ),
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct Stream {
     repeats: u64,
     /// Why frames with a board were not kept, and how many.
     not_kept: BTreeMap<&'static str, u64>,
+    /// Why the first frame without the board has none.
+    first_miss: Option<String>,
     /// Of the views that are kept.
     pictures: Pictures,
 }
@@ -37,6 +39,7 @@ impl Stream {
             unreadable: 0,
             repeats: 0,
             not_kept: BTreeMap::new(),
+            first_miss: None,
             pictures: Pictures::new(),
         }
     }
@@ -45,8 +48,12 @@ impl Stream {
     pub(super) fn add(&mut self, origin: &Origin, seen: Seen, progress: &Progress) {
         self.next_frame(origin);
         let found = seen.found.as_ref();
-        let Ok(offer) = self.session.observe(&seen.frame_id, seen.stamp, found) else {
-            return;
+        let offer = match self.session.observe(&seen.frame_id, seen.stamp, found) {
+            Ok(offer) => offer,
+            Err(miss) => {
+                self.first_miss.get_or_insert_with(|| miss.clone());
+                return;
+            }
         };
         self.boards += 1;
         if offer.restart.is_some() {
@@ -124,16 +131,19 @@ impl Stream {
     /// Frames that became no views: how many, and why.
     pub(super) fn passed_over(&self) -> Vec<(u64, String)> {
         let looked_at = self.frames - self.repeats - self.unreadable;
+        let first_miss = self.first_miss.as_deref().unwrap_or_default();
+        let without = format!("without the board; the first of them: {first_miss}");
         let counted = [
-            (self.repeats, "not looked at: as the frames before"),
-            (self.unreadable, "without a picture"),
-            (looked_at - self.boards, "without the board"),
+            (
+                self.repeats,
+                "not looked at: as the frames before".to_owned(),
+            ),
+            (self.unreadable, "without a picture".to_owned()),
+            (looked_at - self.boards, without),
         ];
-        let counted = counted
-            .into_iter()
-            .map(|(count, why)| (count, why.to_owned()));
         let not_kept = self.not_kept.iter();
         counted
+            .into_iter()
             .chain(not_kept.map(|(why, count)| (*count, format!("not kept: {why}"))))
             .filter(|(count, _)| *count > 0)
             .collect()

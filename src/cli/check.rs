@@ -114,6 +114,7 @@ fn check_inputs(
         files: None,
         stream: arguments.collecting.rules.to_check(),
         options: CalibrateOptions::default(),
+        pictures: false,
     };
     let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
     let (views, inputs) = (collected.views, collected.frames);

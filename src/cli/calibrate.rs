@@ -1,4 +1,5 @@
-//! `ringcal calibrate`: image files, folders and bags in, camera_info.yaml, calibration.json and report.html out.
+//! `ringcal calibrate`: image files, folders and bags in, camera_info.yaml, calibration.json and report.html out, and
+//! the camera in other formats.
 //!
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. Of a bag the views are kept that the node would keep. A file that cannot be read does not
@@ -12,9 +13,8 @@ use super::measuring::Measuring;
 use super::output::print;
 use super::reading::{Collecting, Reading};
 use crate::calibrate::{ModelChoice, choose_model, cross_validate};
-use crate::camera::Camera;
 use crate::detect::Detector;
-use crate::formats::{CalibrationJson, CameraInfo, write_by_rename};
+use crate::formats::{CalibrationJson, CameraFormat, CameraInfo, write_by_rename};
 use crate::refine::calibrate_refined;
 use crate::report::report_html;
 use crate::session::SessionRules;
@@ -35,6 +35,10 @@ pub struct Arguments {
     /// Folder that gets camera_info.yaml, calibration.json and report.html; made where it is missing.
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
+    /// Write the camera in these formats as well: ost (ost.txt), opencv (opencv.yaml), kalibr (camchain.yaml), mrcal
+    /// (camera.cameramodel).
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    also: Vec<CameraFormat>,
     #[command(flatten)]
     lens: LensArguments,
     #[command(flatten)]
@@ -88,7 +92,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         &views,
         &collected.outcomes,
     );
-    write_files(&arguments.output, &file, calibration.camera)?;
+    let info = CameraInfo::new(file.camera_name.as_str(), calibration.camera);
+    write_files(&arguments.output, &file, &info)?;
+    let others = write_also(&arguments.output, &arguments.also, &info);
     for (view, fit) in views.iter().zip(&calibration.views) {
         if let Some(left_out) = &fit.left_out {
             eprintln!("warning: {}: left out: {left_out}", view.source);
@@ -101,11 +107,11 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         collected.coverage(),
         collected.frames,
     ))?;
-    Ok(())
+    // last, because the calibration itself is done
+    others
 }
 
-fn write_files(folder: &Path, file: &CalibrationJson, camera: Camera) -> anyhow::Result<()> {
-    let info = CameraInfo::new(file.camera_name.as_str(), camera);
+fn write_files(folder: &Path, file: &CalibrationJson, info: &CameraInfo) -> anyhow::Result<()> {
     // camera_info.yaml last: where it is new, the others are too
     let files = [
         ("report.html", report_html(file)),
@@ -113,10 +119,32 @@ fn write_files(folder: &Path, file: &CalibrationJson, camera: Camera) -> anyhow:
         ("camera_info.yaml", info.to_yaml()),
     ];
     for (name, text) in files {
-        let path = folder.join(name);
-        write_by_rename(&path, text.as_bytes())
-            .with_context(|| format!("{}: cannot be written", path.display()))?;
-        eprintln!("wrote {}", path.display());
+        write_file(&folder.join(name), &text)?;
     }
+    Ok(())
+}
+
+fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
+    write_by_rename(path, text.as_bytes())
+        .with_context(|| format!("{}: cannot be written", path.display()))?;
+    eprintln!("wrote {}", path.display());
+    Ok(())
+}
+
+/// Writes the formats that were asked for besides, as far as they can express the camera.
+///
+/// # Errors
+/// Those that could not be written; the others are there.
+fn write_also(folder: &Path, formats: &[CameraFormat], info: &CameraInfo) -> anyhow::Result<()> {
+    let mut failed = Vec::new();
+    for format in formats {
+        let path = folder.join(format.file_name());
+        let written = match format.write(info) {
+            Ok(text) => write_file(&path, &text).map_err(|error| format!("{error:#}")),
+            Err(error) => Err(format!("{} is not written: {error}", path.display())),
+        };
+        failed.extend(written.err());
+    }
+    anyhow::ensure!(failed.is_empty(), "{}", failed.join("; "));
     Ok(())
 }

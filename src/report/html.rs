@@ -34,7 +34,7 @@ pub fn report_html(file: &CalibrationJson) -> String {
          </figure></div>\n<h2>Views</h2>\n{}\n</body></html>\n",
         file.width,
         file.height,
-        escaped(file.model),
+        escaped(&file.model),
         escaped(&file.estimator),
         file.views.len(),
         file.rms_px,
@@ -53,7 +53,11 @@ fn parameters(file: &CalibrationJson) -> String {
             continue;
         };
         // pixels to a ten-thousandth, what has no unit to as many digits as anyone uses
-        let digits = if "fx fy cx cy".contains(name) { 4 } else { 8 };
+        let digits = if "fx fy cx cy".contains(name.as_str()) {
+            4
+        } else {
+            8
+        };
         let std = if file.fixed.contains(name) {
             "fixed".to_owned()
         } else {

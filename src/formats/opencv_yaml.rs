@@ -4,8 +4,8 @@
 //! functions have another model with 4; the sample marks it with `fisheye_model: 1`, and so does this file. The name of the camera is an
 //! additional key, `camera_name`, which OpenCV reads like any other.
 //!
-//! FileStorage writes a first line that is no YAML directive, and tags that no other program knows; both are taken off
-//! before the text is read as YAML. FileStorage's JSON is read as well, because JSON is YAML.
+//! FileStorage begins with `%YAML:1.0`, which is no YAML directive (OpenCV 5 writes one, and reads both), and has tags that no other
+//! program knows; both are taken off before the text is read as YAML. FileStorage's JSON is read as well, because JSON is YAML.
 
 use super::camera_file_error::{CameraFileError, CannotExpress};
 use super::camera_info::CameraInfo;
@@ -16,6 +16,8 @@ use serde::Deserialize;
 
 /// What marks a matrix, and with it the file.
 pub(super) const MARK: &str = "opencv-matrix";
+/// What marks the lists of OpenCV 5.
+const LIST: &str = "!!opencv-nd-matrix";
 
 /// The text of the file.
 pub(super) fn write(info: &CameraInfo) -> Result<String, CannotExpress> {
@@ -73,8 +75,8 @@ pub(super) fn read(text: &str) -> Result<CameraInfo, CameraFileError> {
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
     };
-    let file: File = serde_saphyr::from_str(&yaml.replace(&format!("!!{MARK}"), ""))
-        .map_err(|error| syntax(error.to_string()))?;
+    let yaml = yaml.replace(&format!("!!{MARK}"), "").replace(LIST, "");
+    let file: File = serde_saphyr::from_str(&yaml).map_err(|error| syntax(error.to_string()))?;
     let name = "distortion_coefficients";
     let (lens, expected) = if file.fisheye_model != 0 {
         let values = file.distortion_coefficients.vector(name, "4 x 1")?;
@@ -158,6 +160,18 @@ mod tests {
             said.contains("1 rows, 5 cols and 5 values, 4 x 1"),
             "{said}"
         );
+    }
+
+    #[test]
+    fn lists_of_opencv_5_are_read() {
+        let text = write(&CameraInfo::new("front", wide())).unwrap();
+        let five = text.replace("%YAML:1.0", "%YAML 1.2").replace(
+            "!!opencv-matrix\n   rows: 5\n   cols: 1",
+            "!!opencv-nd-matrix\n   sizes: [ 5 ]",
+        );
+        assert!(five.contains("nd-matrix"));
+        assert_eq!(read(&five).unwrap().camera, wide());
+        assert!(read(&five.replace("[ 5 ]", "[ 4 ]")).is_err());
     }
 
     #[test]

@@ -13,8 +13,13 @@ pub(super) const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1
 /// A matrix as YAML files have it.
 #[derive(Deserialize)]
 pub(super) struct Matrix {
+    #[serde(default)]
     rows: usize,
+    #[serde(default)]
     cols: usize,
+    /// In place of rows and columns where OpenCV 5 writes a list.
+    #[serde(default)]
+    sizes: Vec<usize>,
     data: Vec<f64>,
 }
 
@@ -41,7 +46,8 @@ impl Matrix {
         expected: &'static str,
     ) -> Result<&[f64], CameraFileError> {
         let count = self.data.len();
-        if (self.rows, self.cols) != (1, count) && (self.rows, self.cols) != (count, 1) {
+        let one_row = (self.rows, self.cols) == (1, count);
+        if !one_row && (self.rows, self.cols) != (count, 1) && self.sizes != [count] {
             return Err(self.wrong_size(name, expected));
         }
         finite(name, &self.data)?;

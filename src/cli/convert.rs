@@ -49,6 +49,7 @@ pub fn run(arguments: &Arguments) -> anyhow::Result<()> {
     } else {
         write_by_rename(&arguments.output, text.as_bytes())
             .with_context(|| format!("{}: cannot be written", arguments.output.display()))?;
+        eprintln!("wrote {}", arguments.output.display());
     }
     Ok(())
 }

@@ -252,6 +252,7 @@ fn entry(calibration: &Calibration, at: usize, view: &View) -> Option<ViewJson> 
 mod tests {
     use super::*;
     use crate::calibrate::{calibrate, synthetic};
+    use crate::formats::{CameraInfo, read_camera};
 
     #[test]
     fn every_input_is_there_in_its_order_with_what_became_of_it() {
@@ -273,12 +274,8 @@ mod tests {
         let text = file.to_json().unwrap();
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(CalibrationJson::from_json(&text).unwrap(), file);
-        let camera = crate::formats::read_camera(&text, None).unwrap();
-        assert_eq!(
-            camera,
-            crate::formats::CameraInfo::new("front", calibration.camera)
-        );
-        assert!(text.contains(&format!("\"fx\": {:?}", calibration.camera.intrinsics.fx)));
+        let info = CameraInfo::new("front", calibration.camera);
+        assert_eq!(read_camera(&text, None), Ok(info));
         let same = |value: &serde_json::Value, wanted: f64| {
             (value.as_f64().unwrap() - wanted).abs() <= 1e-14 * wanted.abs()
         };

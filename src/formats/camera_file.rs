@@ -153,6 +153,8 @@ impl FromStr for CameraFormat {
 /// # Errors
 /// [`CameraFileError`] says what the text was taken for and what it lacks.
 pub fn read_camera(text: &str, wanted: Option<&str>) -> Result<CameraInfo, CameraFileError> {
+    // editors of other systems put a mark before the first character
+    let text = text.trim_start_matches('\u{feff}');
     let info = match Content::of(text) {
         // these hold as many cameras as you like
         Content::Ost => return ost::read(text, wanted),
@@ -171,7 +173,10 @@ pub fn read_camera(text: &str, wanted: Option<&str>) -> Result<CameraInfo, Camer
     match wanted {
         Some(wanted) if wanted != info.camera_name => Err(CameraFileError::NoSuchCamera {
             wanted: wanted.to_owned(),
-            names: vec![format!("{:?}", info.camera_name)],
+            names: vec![match info.camera_name.as_str() {
+                "" => "one without a name".to_owned(),
+                name => name.to_owned(),
+            }],
         }),
         _ => Ok(info),
     }

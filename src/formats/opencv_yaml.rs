@@ -71,7 +71,7 @@ pub(super) fn read(text: &str) -> Result<CameraInfo, CameraFileError> {
         format: "an OpenCV FileStorage file",
         reason,
     };
-    let yaml = match text.trim_start_matches('\u{feff}').split_once('\n') {
+    let yaml = match text.split_once('\n') {
         Some((first, rest)) if first.starts_with("%YAML") => rest,
         _ => text,
     };

@@ -1,8 +1,8 @@
 //! ost.txt, the INI file of camera_calibration and camera_calibration_parsers.
 //!
 //! Sections in brackets, keys on lines of their own and the numbers on the lines below. The file has no key for the lens
-//! model: five coefficients are `plumb_bob`, eight `rational_polynomial` (which the parsers of ROS 2 read too, those of ROS 1 do
-//! not), and a fisheye has no place. camera_calibration rounds to six digits behind the point; here every digit is kept.
+//! model: five coefficients are `plumb_bob`, eight `rational_polynomial` (so read the parsers of ROS 2 and of ROS 1 Noetic, older
+//! ones five alone), and a fisheye has no place. camera_calibration rounds to six digits behind the point; here every digit is kept.
 
 use super::camera_file_error::{CameraFileError, CannotExpress};
 use super::camera_info::CameraInfo;

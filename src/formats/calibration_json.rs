@@ -54,11 +54,6 @@ pub struct ProjectionStd {
     pub at_distance: Vec<Option<f64>>,
 }
 
-impl ProjectionStd {
-    const COLUMNS: usize = 10;
-    const ROWS: usize = 10;
-}
-
 /// One input.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewJson {
@@ -123,27 +118,25 @@ impl CalibrationJson {
         views: &[View],
         outcomes: &[Outcome],
     ) -> Self {
-        let names = || calibration.names.iter().map(|name| (*name).to_owned());
+        let owned = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
+        let names: Vec<String> = owned(&calibration.names);
+        let by_name = |values: Vec<f64>| names.iter().cloned().zip(values).collect();
         let camera = &calibration.camera;
         Self {
             model: camera.model().to_string(),
             camera_name: camera_name.to_owned(),
             width: camera.width,
             height: camera.height,
-            parameters: names().zip(calibration.values()).collect(),
-            std: names().zip(calibration.stds()).collect(),
-            names: names().collect(),
+            parameters: by_name(calibration.values()),
+            std: by_name(calibration.stds()),
             covariance: rows(&calibration.covariance),
-            fixed: calibration
-                .fixed
-                .iter()
-                .map(|&name| name.to_owned())
-                .collect(),
+            fixed: owned(&calibration.fixed),
             rms_px: calibration.rms_px,
             variance_factor: calibration.variance_factor,
             estimator: estimator.to_owned(),
             projection_std_px: ProjectionStd::of(calibration),
             views: view_entries(calibration, views, outcomes),
+            names,
         }
     }
 
@@ -165,6 +158,9 @@ impl CalibrationJson {
 }
 
 impl ProjectionStd {
+    const COLUMNS: usize = 10;
+    const ROWS: usize = 10;
+
     fn of(calibration: &Calibration) -> Self {
         let distance_m = calibration.typical_distance_m();
         let map = |range| calibration.projection_std_map((Self::COLUMNS, Self::ROWS), range);

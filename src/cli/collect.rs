@@ -97,6 +97,7 @@ pub fn collect(
             frames: files.count() + stream.frames(),
             boards: files.boards() + stream.boards(),
             views: stream.views().len(),
+            uncertain_px: stream.uncertain_px(),
         });
         Ok(ControlFlow::Continue(()))
     })?;

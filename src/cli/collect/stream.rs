@@ -93,6 +93,12 @@ impl Stream {
         self.session.views()
     }
 
+    /// How uncertain the views leave the camera where it is least certain, px at infinity, once they tell it.
+    pub(super) fn uncertain_px(&self) -> Option<f64> {
+        let (_, std_px) = self.session.estimate()?.least_certain()?;
+        Some(std_px)
+    }
+
     /// Says what became of the frames.
     pub(super) fn tell(&self, progress: &Progress) {
         if self.frames == 0 {

@@ -1,4 +1,5 @@
-//! `ringcal calibrate`: image files, folders and bags in, camera_info.yaml, calibration.json and report.html out.
+//! `ringcal calibrate`: image files, folders and bags in, camera_info.yaml, calibration.json and report.html out,
+//! and the camera in other formats.
 //!
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. Of a bag the views are kept that the node would keep. A file that cannot be read does not
@@ -18,7 +19,7 @@ use crate::calibrate::{
     assess, choose_model, cross_validate, refused,
 };
 use crate::detect::Detector;
-use crate::formats::CalibrationJson;
+use crate::formats::{CalibrationJson, CameraFormat, CameraInfo};
 use crate::refine::calibrate_refined;
 use crate::report::{Report, Solved, report_html};
 use crate::session::{SessionRules, View};
@@ -39,6 +40,10 @@ pub struct Arguments {
     /// Folder that gets camera_info.yaml, calibration.json and report.html; made where it is missing.
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
+    /// Write the camera in these formats as well: ost (ost.txt), opencv (opencv.yaml), kalibr (camchain.yaml), mrcal
+    /// (camera.cameramodel).
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    also: Vec<CameraFormat>,
     #[command(flatten)]
     lens: LensArguments,
     #[command(flatten)]
@@ -140,7 +145,9 @@ impl Arguments {
             }),
             ..self.report_of(board, collected, &assessment)
         });
-        output::write_calibration(&self.output, page, &file, calibration.camera)?;
+        let info = CameraInfo::new(file.camera_name.as_str(), calibration.camera);
+        output::write_calibration(&self.output, page, &file, &info)?;
+        let others = output::write_also(&self.output, &self.also, &info);
         for (view, fit) in views.iter().zip(&calibration.views) {
             if let Some(left_out) = &fit.left_out {
                 eprintln!("warning: {}: left out: {left_out}", view.source);
@@ -152,7 +159,8 @@ impl Arguments {
             collected.coverage(),
             collected.frames,
         ))?;
-        Ok(())
+        // last, because the calibration itself is done
+        others
     }
 
     /// Writes the report of views that gave no calibration, and hands on why.

@@ -1,7 +1,6 @@
 //! The files that `ringcal calibrate` writes.
 
-use crate::camera::Camera;
-use crate::formats::{CalibrationJson, CameraInfo, write_by_rename};
+use crate::formats::{CalibrationJson, CameraFormat, CameraInfo, write_by_rename};
 use anyhow::Context;
 use std::path::Path;
 
@@ -14,9 +13,8 @@ pub fn write_calibration(
     folder: &Path,
     page: String,
     file: &CalibrationJson,
-    camera: Camera,
+    info: &CameraInfo,
 ) -> anyhow::Result<()> {
-    let info = CameraInfo::new(file.camera_name.as_str(), camera);
     // camera_info.yaml last: where it is new, the others are too
     let files = [
         (REPORT, page),
@@ -26,6 +24,31 @@ pub fn write_calibration(
     for (name, text) in files {
         write(folder, name, &text)?;
     }
+    Ok(())
+}
+
+/// Writes the formats that were asked for besides, as far as they can express the camera.
+///
+/// # Errors
+/// Those that could not be written; the others are there.
+pub fn write_also(
+    folder: &Path,
+    formats: &[CameraFormat],
+    info: &CameraInfo,
+) -> anyhow::Result<()> {
+    let mut failed = Vec::new();
+    for format in formats {
+        let name = format.file_name();
+        let written = match format.write(info) {
+            Ok(text) => write(folder, name, &text).map_err(|error| format!("{error:#}")),
+            Err(error) => Err(format!(
+                "{} is not written: {error}",
+                folder.join(name).display()
+            )),
+        };
+        failed.extend(written.err());
+    }
+    anyhow::ensure!(failed.is_empty(), "{}", failed.join("; "));
     Ok(())
 }
 

@@ -128,6 +128,7 @@ fn pictures_of_a_board_become_three_files_with_the_true_camera() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let table = String::from_utf8(output.stdout.clone()).unwrap();
     assert!(table.contains("8 of 11 inputs, 240 rings"), "{table}");
+    assert!(table.contains("\nverdict   "), "{table}");
 
     let text = std::fs::read_to_string(folder.join("out/run/camera_info.yaml")).unwrap();
     let info = CameraInfo::from_yaml(&text).unwrap();
@@ -161,11 +162,17 @@ fn pictures_of_a_board_become_three_files_with_the_true_camera() {
     );
     assert!(json["rms_px"].as_f64().unwrap() < 0.1, "{}", json["rms_px"]);
     assert_eq!(json["std"]["k3"], 0.0);
-    assert!(
-        std::fs::read_to_string(folder.join("out/run/report.html"))
-            .unwrap()
-            .contains("front")
-    );
+    let page = std::fs::read_to_string(folder.join("out/run/report.html")).unwrap();
+    assert!(page.contains("Calibration of front") && page.contains("8 used of 11 inputs"));
+    // the views, the copy of one, and the file without a board; the broken one has no picture
+    assert_eq!(page.matches("<image ").count(), 8 + 2);
+    for reason in [
+        "repeats the view views/view_2.png",
+        "broken.png",
+        "hardly any contrast",
+    ] {
+        assert!(page.contains(reason), "{reason}");
+    }
     assert_eq!(
         std::fs::read_dir(folder.join("out/run")).unwrap().count(),
         3
@@ -218,6 +225,12 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
         assert_eq!(output.status.code(), Some(1));
         assert!(stderr(&output).contains(words), "{}", stderr(&output));
     }
-    let kept = std::fs::read_dir(folder.join("out")).map_or(0, Iterator::count);
-    assert_eq!(kept, 0, "nothing is written where nothing was calibrated");
+    let kept: Vec<_> = std::fs::read_dir(folder.join("out"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    assert_eq!(kept, ["report.html"], "no camera where none was found");
+    let page = std::fs::read_to_string(folder.join("out/report.html")).unwrap();
+    assert!(page.contains("No calibration was made. 2 views, at least 3 are needed."));
+    assert!(page.contains("Take 15 views or more"), "it says what to do");
 }

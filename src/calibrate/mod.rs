@@ -7,8 +7,10 @@
 //! 4. `roll` leaves out rings and views that contradict the solution, and 3 is repeated until nothing changes.
 //! 5. The covariance of the parameters is that of least squares (`uncertainty`); views that leave the camera open are refused
 //!    (`observability`), however small their residuals are.
+//! 6. What the result is worth, as one word and a sentence, is `assess`'s to say, by written rules.
 
 mod adjust;
+mod assess;
 mod calibration;
 mod check;
 mod cross_validation;
@@ -34,6 +36,7 @@ mod start_homography;
 mod uncertainty;
 mod zhang;
 
+pub use assess::{Assessment, Criterion, Facts, Grade, Rule, assess, refused};
 pub use calibration::{Calibration, ViewFit};
 pub use check::{Cell, Check, FIELD, Verdict, check};
 pub use cross_validation::{CrossValidation, FOLDS, ModelScore, choose_model, cross_validate};

@@ -65,6 +65,7 @@ pub(super) fn predict(
                 // made by hand, of points: they are what they are
                 Some(_) if construction.is_none() && !with_covariance => None,
                 Some(edges) => before.bias_on_edges_px(edges.as_ref()),
+                None if ring.straight => None,
                 None => bent(|d| before.image(d), board.radius_ratio()),
             }
             .unwrap_or_default();

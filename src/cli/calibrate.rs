@@ -1,27 +1,32 @@
-//! `ringcal calibrate`: image files, folders and bags in, camera_info.yaml, calibration.json and report.html out.
+//! `ringcal calibrate`: image files, folders and bags in, camera_info.yaml, calibration.json and report.html out,
+//! and the camera in other formats.
 //!
 //! Every file is used except those without a board, repeats of another file and frames of another size; calibration.json
 //! has them all, with the reason. Of a bag the views are kept that the node would keep. A file that cannot be read does not
-//! stop the others.
+//! stop the others. Where the views do not give a calibration, report.html alone is written: it says what is missing.
 
 mod lens;
+mod output;
 mod summary;
 
-use super::collect::{Rules, collect};
+use super::collect::{Collected, Rules, collect};
 use super::measuring::Measuring;
 use super::output::print;
 use super::reading::{Collecting, Reading};
-use crate::calibrate::{ModelChoice, choose_model, cross_validate};
-use crate::camera::Camera;
+use crate::board::Board;
+use crate::calibrate::{
+    Assessment, CalibrateError, CalibrateOptions, Calibration, CrossValidation, Facts, ModelChoice,
+    assess, choose_model, cross_validate, refused,
+};
 use crate::detect::Detector;
-use crate::formats::{CalibrationJson, CameraInfo, write_by_rename};
+use crate::formats::{CalibrationJson, CameraFormat, CameraInfo};
 use crate::refine::calibrate_refined;
-use crate::report::report_html;
-use crate::session::SessionRules;
+use crate::report::{Report, Solved, report_html};
+use crate::session::{SessionRules, View};
 use crate::source::read_board;
 use anyhow::Context;
 use lens::LensArguments;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `ringcal calibrate`.
 #[derive(Debug, clap::Args)]
@@ -35,6 +40,10 @@ pub struct Arguments {
     /// Folder that gets camera_info.yaml, calibration.json and report.html; made where it is missing.
     #[arg(long, value_name = "DIR")]
     output: PathBuf,
+    /// Write the camera in these formats as well: ost (ost.txt), opencv (opencv.yaml), kalibr (camchain.yaml), mrcal
+    /// (camera.cameramodel).
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    also: Vec<CameraFormat>,
     #[command(flatten)]
     lens: LensArguments,
     #[command(flatten)]
@@ -59,7 +68,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         anyhow::bail!("{}: no such file or folder", path.display());
     }
     let inputs = arguments.reading.open(&arguments.inputs)?;
-    let mut options = arguments.lens.options(arguments.measuring.estimator)?;
+    let options = arguments.lens.options(arguments.measuring.estimator)?;
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| format!("{}: cannot be made", arguments.output.display()))?;
     let detector = Detector::new(board, arguments.measuring.options());
@@ -67,56 +76,129 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         files: Some(SessionRules::for_files()),
         stream: arguments.collecting.rules.to_calibrate(),
         options: options.clone(),
+        pictures: true,
     };
     let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
-    let found = &collected.views;
-    if arguments.lens.model() == ModelChoice::Auto {
-        let chosen = choose_model(detector.board(), found, &options);
-        let (model, scores) = chosen.context("no lens model fits")?;
+    let board = detector.board();
+    match solve(board, &collected.views, options, arguments.lens.model()) {
+        Ok(result) => arguments.conclude(board, &collected, &result),
+        Err(error) => arguments.refuse(board, &collected, error),
+    }
+}
+
+/// A calibration and what it comes from.
+struct CalibrationOfViews {
+    calibration: Calibration,
+    /// The views with their centres found again.
+    views: Vec<View>,
+    validated: Result<CrossValidation, CalibrateError>,
+}
+
+fn solve(
+    board: &Board,
+    found: &[View],
+    mut options: CalibrateOptions,
+    model: ModelChoice,
+) -> Result<CalibrationOfViews, CalibrateError> {
+    if model == ModelChoice::Auto {
+        let (model, scores) = choose_model(board, found, &options)?;
         eprint!("{}", summary::scores(&scores));
         options.model = model;
     }
-    let refined = calibrate_refined(detector.board(), found, &options);
-    let (calibration, views) = refined.with_context(|| {
-        let (given, usable) = (collected.frames, found.len());
-        format!("no calibration from {given} inputs, {usable} of them usable")
-    })?;
-    let file = CalibrationJson::new(
-        &arguments.camera_name,
-        arguments.measuring.estimator.name(),
-        &calibration,
-        &views,
-        &collected.outcomes,
-    );
-    write_files(&arguments.output, &file, calibration.camera)?;
-    for (view, fit) in views.iter().zip(&calibration.views) {
-        if let Some(left_out) = &fit.left_out {
-            eprintln!("warning: {}: left out: {left_out}", view.source);
-        }
-    }
-    let validated = cross_validate(detector.board(), &views, &options, &calibration);
-    print(&summary::summary(
-        &calibration,
-        &validated,
-        collected.coverage(),
-        collected.frames,
-    ))?;
-    Ok(())
+    let (calibration, views) = calibrate_refined(board, found, &options)?;
+    let validated = cross_validate(board, &views, &options, &calibration);
+    Ok(CalibrationOfViews {
+        calibration,
+        views,
+        validated,
+    })
 }
 
-fn write_files(folder: &Path, file: &CalibrationJson, camera: Camera) -> anyhow::Result<()> {
-    let info = CameraInfo::new(file.camera_name.as_str(), camera);
-    // camera_info.yaml last: where it is new, the others are too
-    let files = [
-        ("report.html", report_html(file)),
-        ("calibration.json", file.to_json()?),
-        ("camera_info.yaml", info.to_yaml()),
-    ];
-    for (name, text) in files {
-        let path = folder.join(name);
-        write_by_rename(&path, text.as_bytes())
-            .with_context(|| format!("{}: cannot be written", path.display()))?;
-        eprintln!("wrote {}", path.display());
+impl Arguments {
+    /// Writes the files of a calibration and prints its summary.
+    fn conclude(
+        &self,
+        board: &Board,
+        collected: &Collected,
+        result: &CalibrationOfViews,
+    ) -> anyhow::Result<()> {
+        let CalibrationOfViews {
+            calibration,
+            views,
+            validated,
+        } = result;
+        let estimator = self.measuring.estimator.name();
+        let facts = Facts::of(calibration, views, validated.as_ref());
+        let assessment = assess(&facts);
+        let file = CalibrationJson::new(
+            &self.camera_name,
+            estimator,
+            calibration,
+            views,
+            &collected.outcomes,
+        );
+        let page = report_html(&Report {
+            views,
+            solved: Some(Solved {
+                calibration,
+                validated: validated.as_ref().ok(),
+            }),
+            ..self.report_of(board, collected, &assessment)
+        });
+        let info = CameraInfo::new(file.camera_name.as_str(), calibration.camera);
+        output::write_calibration(&self.output, page, &file, &info)?;
+        let others = output::write_also(&self.output, &self.also, &info);
+        for (view, fit) in views.iter().zip(&calibration.views) {
+            if let Some(left_out) = &fit.left_out {
+                eprintln!("warning: {}: left out: {left_out}", view.source);
+            }
+        }
+        print(&summary::summary(
+            calibration,
+            (validated, &assessment),
+            collected.coverage(),
+            collected.frames,
+        ))?;
+        // last, because the calibration itself is done
+        others
     }
-    Ok(())
+
+    /// Writes the report of views that gave no calibration, and hands on why.
+    fn refuse(
+        &self,
+        board: &Board,
+        collected: &Collected,
+        error: CalibrateError,
+    ) -> anyhow::Result<()> {
+        let assessment = refused(&error, collected.frames);
+        let page = report_html(&self.report_of(board, collected, &assessment));
+        // what the views lack matters more than a page that cannot be written
+        if let Err(failed) = output::write_refusal(&self.output, &page) {
+            eprintln!("warning: {failed:#}");
+        }
+        let (given, usable) = (collected.frames, collected.views.len());
+        Err(error)
+            .with_context(|| format!("no calibration from {given} inputs, {usable} of them usable"))
+    }
+
+    /// A report without a calibration.
+    fn report_of<'a>(
+        &'a self,
+        board: &'a Board,
+        collected: &'a Collected,
+        assessment: &'a Assessment,
+    ) -> Report<'a> {
+        Report {
+            camera_name: &self.camera_name,
+            estimator: self.measuring.estimator.name(),
+            board,
+            inputs: collected.frames,
+            views: &collected.views,
+            outcomes: &collected.outcomes,
+            passed_over: &collected.passed_over,
+            pictures: &collected.pictures,
+            assessment,
+            solved: None,
+        }
+    }
 }

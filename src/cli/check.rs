@@ -10,7 +10,7 @@ use crate::camera::Camera;
 use crate::detect::Detector;
 use crate::formats::CheckJson;
 use crate::session::View;
-use crate::source::{read_board, read_camera_info};
+use crate::source::{read_board, read_camera_file};
 use anyhow::Context;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -29,7 +29,7 @@ pub struct Arguments {
         requires = "inputs"
     )]
     board: Option<PathBuf>,
-    /// The calibration that is checked, a camera_info.yaml.
+    /// The calibration that is checked: camera_info.yaml, or a camera in any other format that `ringcal convert` reads.
     #[arg(long, value_name = "FILE")]
     camera_info: PathBuf,
     /// Another calibration of the same camera: by how many pixels the two differ over the frame, once the rotation that aligns
@@ -57,10 +57,10 @@ enum Format {
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
-    let camera = read_camera_info(&arguments.camera_info)?.camera;
+    let camera = read_camera_file(&arguments.camera_info)?.camera;
     let difference = match &arguments.compare {
         Some(path) => {
-            let other = read_camera_info(path)?.camera;
+            let other = read_camera_file(path)?.camera;
             let found = difference(&camera, &other, FIELD);
             Some(found.context("the two calibrations have no part of the frame in common")?)
         }
@@ -114,6 +114,7 @@ fn check_inputs(
         files: None,
         stream: arguments.collecting.rules.to_check(),
         options: CalibrateOptions::default(),
+        pictures: false,
     };
     let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
     let (views, inputs) = (collected.views, collected.frames);

@@ -10,7 +10,8 @@ use crate::board::Board;
 use crate::calibrate::CalibrateOptions;
 use crate::detect::{Detection, Detector};
 use crate::formats::Outcome;
-use crate::frame::{Frame, Stamp};
+use crate::frame::{Frame, Stamp, Thumbnail};
+use crate::report::{Picture, Pictures};
 use crate::session::{Coverage, Session, SessionRules, View};
 use crate::source::{Inputs, Origin};
 use files::Files;
@@ -27,6 +28,10 @@ pub struct Collected {
     pub outcomes: Vec<Outcome>,
     /// Frames read: image files and messages.
     pub frames: u64,
+    /// Small pictures of the views and of some files that are none, where they were asked for.
+    pub pictures: Pictures,
+    /// Frames of bags that became no views: how many, and why.
+    pub passed_over: Vec<(u64, String)>,
 }
 
 impl Collected {
@@ -49,6 +54,8 @@ pub struct Rules {
     pub stream: SessionRules,
     /// How the camera is estimated while the views of a bag are chosen.
     pub options: CalibrateOptions,
+    /// Whether small pictures of the frames are kept.
+    pub pictures: bool,
 }
 
 /// What was seen in one frame.
@@ -56,6 +63,8 @@ struct Seen {
     frame_id: String,
     stamp: Stamp,
     found: Result<Detection, String>,
+    /// What a picture of it would be made of.
+    small: Option<Thumbnail>,
 }
 
 /// Looks for the board in all frames, until there are no more or Ctrl-C says that these are enough.
@@ -72,10 +81,16 @@ pub fn collect(
     let mut progress = Progress::new(quiet, inputs.frame_count());
     let mut files = Files::default();
     let mut stream = Stream::new(detector.board(), rules);
-    let look = |_: &Origin, frame: Frame| Seen {
-        found: detector.detect(&frame).map_err(|miss| miss.to_string()),
-        frame_id: frame.source,
-        stamp: frame.stamp,
+    let look = |origin: &Origin, frame: Frame| {
+        let found = detector.detect(&frame).map_err(|miss| miss.to_string());
+        // of a stream only views are shown, and most of its frames become none
+        let shown = rules.pictures && (found.is_ok() || !origin.is_stream());
+        Seen {
+            found,
+            small: shown.then(|| Picture::reduce(&frame)),
+            frame_id: frame.source,
+            stamp: frame.stamp,
+        }
     };
     let looking = Looking::on_all_cores(&stop, true);
     looking.each(inputs.items(), look, |step| {
@@ -85,18 +100,19 @@ pub fn collect(
                 stream.unreadable(&origin, &error.to_string(), &progress);
             }
             Step::Unreadable(origin, error) => {
-                files.add(&origin, Err(error.to_string()), &progress);
+                files.add(&origin, (Err(error.to_string()), None), &progress);
             }
             Step::Repeat(origin) => stream.repeat(&origin),
             Step::Looked(origin, seen) if origin.is_stream() => {
-                stream.add(&origin, &seen, &progress);
+                stream.add(&origin, seen, &progress);
             }
-            Step::Looked(origin, seen) => files.add(&origin, seen.found, &progress),
+            Step::Looked(origin, seen) => files.add(&origin, (seen.found, seen.small), &progress),
         }
         progress.tell(Counts {
             frames: files.count() + stream.frames(),
             boards: files.boards() + stream.boards(),
             views: stream.views().len(),
+            uncertain_px: stream.uncertain_px(),
         });
         Ok(ControlFlow::Continue(()))
     })?;
@@ -108,12 +124,14 @@ pub fn collect(
         ));
     }
     stream.tell(&progress);
-    Ok(joined(detector.board(), files, &stream, rules))
+    Ok(joined(detector.board(), files, stream, rules))
 }
 
 /// The views of files and bags together; those of another size than most are not of the same camera.
-fn joined(board: &Board, files: Files, stream: &Stream, rules: &Rules) -> Collected {
+fn joined(board: &Board, mut files: Files, mut stream: Stream, rules: &Rules) -> Collected {
     let frames = files.count() + stream.frames();
+    let mut pictures = files.take_pictures();
+    pictures.append(&mut stream.take_pictures());
     let of_stream = stream.views();
     let sizes = of_stream.iter().map(|view| (view.width, view.height));
     let size = files::most_common_size(files.sizes().chain(sizes));
@@ -122,6 +140,8 @@ fn joined(board: &Board, files: Files, stream: &Stream, rules: &Rules) -> Collec
         views: Vec::new(),
         outcomes: Vec::new(),
         frames,
+        pictures,
+        passed_over: stream.passed_over(),
     };
     files.finish(&mut collected, rules.files.as_ref().map(session), size);
     for view in of_stream {

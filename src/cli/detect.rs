@@ -11,7 +11,7 @@ use crate::camera::Camera;
 use crate::detect::{DetectOptions, Detection, Detector, Miss};
 use crate::formats::DetectionLine;
 use crate::frame::{Frame, Stamp};
-use crate::source::{Origin, read_board, read_camera_info};
+use crate::source::{Origin, read_board, read_camera_file};
 use overlays::Overlays;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -31,7 +31,8 @@ pub struct Arguments {
     measuring: Measuring,
     #[command(flatten)]
     reading: Reading,
-    /// The camera's calibration, a camera_info.yaml, for photometric: it knows the perspective of every ring.
+    /// The camera's calibration, for photometric: it knows the perspective of every ring. camera_info.yaml, or a camera in any other
+    /// format that `ringcal convert` reads.
     #[arg(long, value_name = "FILE")]
     camera_info: Option<PathBuf>,
     /// What to print for each frame.
@@ -54,7 +55,7 @@ enum Format {
 /// command fails at the end.
 pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let board = read_board(&arguments.board)?;
-    let info = arguments.camera_info.as_deref().map(read_camera_info);
+    let info = arguments.camera_info.as_deref().map(read_camera_file);
     let camera = info.transpose()?.map(|info| info.camera);
     let inputs = arguments.reading.open(&arguments.inputs)?;
     let detectors = Detectors::new(board, arguments.measuring.options(), camera);

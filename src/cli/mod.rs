@@ -6,6 +6,7 @@ mod board;
 mod calibrate;
 mod check;
 mod collect;
+mod convert;
 mod demo;
 mod detect;
 mod interrupt;
@@ -40,6 +41,8 @@ enum Command {
     Calibrate(calibrate::Arguments),
     /// Hold an existing calibration against new views, or against another calibration.
     Check(check::Arguments),
+    /// Write a camera file in another format.
+    Convert(convert::Arguments),
     /// Make a sheet with the board to print, true to scale, or propose a board for a camera.
     Board(Box<board::Arguments>),
     /// Render frames of a defocused board together with the truth.
@@ -66,6 +69,7 @@ pub fn main(mut arguments: Vec<OsString>) -> ExitCode {
         Command::Detect(arguments) => detect::run(arguments),
         Command::Calibrate(arguments) => calibrate::run(arguments),
         Command::Check(arguments) => check::run(arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Board(arguments) => board::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Demo(arguments) => demo::run(arguments),

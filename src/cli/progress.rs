@@ -10,7 +10,7 @@ const EVERY: Duration = Duration::from_secs(5);
 const REDRAWS_HZ: u8 = 5;
 
 /// What has been done so far.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Counts {
     /// Frames looked at or passed over.
     pub frames: u64,
@@ -18,6 +18,8 @@ pub struct Counts {
     pub boards: u64,
     /// Views kept of bags.
     pub views: usize,
+    /// How uncertain these views leave the camera where it is least certain, px at infinity, once they tell it.
+    pub uncertain_px: Option<f64>,
 }
 
 /// Tells how far a command is.
@@ -108,7 +110,11 @@ fn bar(total: Option<u64>) -> ProgressBar {
 }
 
 fn found(counts: Counts) -> String {
-    format!("{} with the board, {} views", counts.boards, counts.views)
+    let uncertain = counts.uncertain_px.map_or_else(String::new, |px| {
+        format!(", the camera uncertain by {px:.3} px at most")
+    });
+    let (boards, views) = (counts.boards, counts.views);
+    format!("{boards} with the board, {views} views{uncertain}")
 }
 
 fn line(counts: Counts, total: Option<u64>, elapsed: Duration) -> String {
@@ -133,6 +139,7 @@ mod tests {
             frames: 30,
             boards: 20,
             views: 7,
+            uncertain_px: None,
         };
         let ten = Duration::from_secs(10);
         assert_eq!(
@@ -145,5 +152,13 @@ mod tests {
                 "30 frames, 20 with the board, 7 views"
             );
         }
+        let told = Counts {
+            uncertain_px: Some(0.08124),
+            ..counts
+        };
+        assert_eq!(
+            line(told, None, ten),
+            "30 frames, 20 with the board, 7 views, the camera uncertain by 0.081 px at most"
+        );
     }
 }

@@ -187,6 +187,14 @@ pub enum Miss {
         /// Rings of the board.
         expected: usize,
     },
+    /// Rings enough, but none of an outermost row or column that could be measured: nobody knows which ring is which.
+    #[error("a whole row or column does not show: {found} of {expected} rings seen")]
+    LineMissing {
+        /// Rings that stand in a grid.
+        found: usize,
+        /// Rings of the board.
+        expected: usize,
+    },
     /// Rings that do not stand in the board's grid.
     #[error("{found} rings seen, but they do not stand in a grid of {rows} x {columns}")]
     NoGrid {

@@ -56,7 +56,7 @@ pub(super) fn find_grid(
     let another = boards.clone().map(|l| l.members.len()).nth(1);
     let largest = boards.max_by(|a, b| size_px(a, &outers).total_cmp(&size_px(b, &outers)));
     let Some(lattice) = largest.or(lattices.first()) else {
-        return Err(too_few_or_no_grid(board, rings.len()));
+        return Err(too_few_or_no_grid(board, rings.len(), options.required));
     };
     let mut measured = Measured::new(
         frame,
@@ -84,8 +84,9 @@ fn size_px(lattice: &Lattice, outers: &[Ellipse]) -> f64 {
     sizes.sum::<f64>() / lattice.members.len() as f64
 }
 
-fn too_few_or_no_grid(board: &Board, found: usize) -> Miss {
-    if found < board.ring_count() {
+/// Why rings make no grid of this board: there are not enough of them, or they stand otherwise.
+fn too_few_or_no_grid(board: &Board, found: usize, required: Required) -> Miss {
+    if found < required.least(board) {
         Miss::TooFewRings {
             found,
             expected: board.ring_count(),
@@ -233,7 +234,7 @@ impl<'a> Measured<'a> {
         let labels: Vec<Label> = self.rings.keys().copied().collect();
         let by_marks = numbering_by_marks(self.frame, self.board, &labels, &self.places);
         let Some(numbering) = by_marks.or_else(|| self.numbering()) else {
-            return Err(too_few_or_no_grid(self.board, found));
+            return Err(too_few_or_no_grid(self.board, found, required));
         };
         if !is_plausible(self.board, &self.rings, &self.places) {
             return Err(Miss::NoGrid {
@@ -273,6 +274,8 @@ impl<'a> Measured<'a> {
         let (columns, rows) = extent(self.rings.keys().map(|&l| numbering.of(l)));
         Err(if self.is_cut_off(numbering, columns, rows) {
             Miss::CutOff { found, expected }
+        } else if required == Required::Extent && found >= required.least(self.board) {
+            Miss::LineMissing { found, expected }
         } else {
             Miss::TooFewRings { found, expected }
         })

@@ -3,14 +3,15 @@
 //! Where blur has nearly drowned a row, a blot or the sheet's edge one step beyond the opposite row may look more like rings than the
 //! row does, and the whole grid is then numbered one step off: a wrong answer that looks like a right one. So a row or column that
 //! only a few edges speak for has to pass the test of its grey values: its rings must fit the model of a ring as well as all others do,
-//! with about their contrast and blur. If they do not, the grid is tried one step to the other side.
+//! with about their contrast and blur. If they do not, the grid is tried one step to the other side. So it is where edges speak for a
+//! line but none of its rings can be measured.
 
 use super::centres::centres;
 use super::detection::{Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::{Grid, Placed};
 use crate::board::Board;
-use crate::centre::Estimator;
+use crate::centre::{Ellipse, Estimator};
 use crate::frame::Frame;
 
 /// A line is in doubt where fewer than this fraction of its rings showed edges.
@@ -21,6 +22,9 @@ const CONTRASTS: (f64, f64) = (0.4, 2.0);
 const BLURS: (f64, f64) = (0.6, 1.6);
 /// At least this fraction of a doubtful line's rings must be like the others.
 const ALIKE: f64 = 0.5;
+
+/// Edges deceive from this blur on, sigma over the ring's width.
+const DROWNED: f64 = 0.3;
 
 /// An outermost row or column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,7 +100,7 @@ impl Line {
 /// The centres of a grid whose outermost lines are beyond doubt, or have passed the test of their grey values.
 ///
 /// # Errors
-/// [`Miss::TooFewRings`] where a line has not, and the grid one step to the other side has not either.
+/// [`Miss::LineMissing`] where a line has not, and the grid one step to the other side has not either.
 pub(super) fn sure_centres(
     frame: &Frame,
     board: &Board,
@@ -118,8 +122,9 @@ pub(super) fn sure_centres(
             .filter(|line| line.is_in_doubt(board, placed))
             .collect()
     };
+    let photometric = options.estimator == Estimator::Photometric;
     let lines = doubtful(&placed);
-    if lines.is_empty() {
+    if lines.is_empty() && !photometric {
         return Ok(centres(frame, board, &placed, options, sign));
     }
     let by_grey = DetectOptions {
@@ -127,7 +132,7 @@ pub(super) fn sure_centres(
         ..*options
     };
     let answer = |mut placed: Vec<Placed>, measured: (Vec<Ring>, Option<Measured>)| {
-        if options.estimator == Estimator::Photometric {
+        if photometric {
             return measured;
         }
         // an estimator that needs edges takes those of the fits where none were seen
@@ -146,15 +151,21 @@ pub(super) fn sure_centres(
         centres(frame, board, &placed, options, sign)
     };
     let first = centres(frame, board, &placed, &by_grey, sign);
-    let wrong: Vec<Line> = lines
-        .into_iter()
-        .filter(|&line| !is_alike(board, line, &first.0, ALIKE * seen(board, line, &placed)))
-        .collect();
+    let is_wrong = |line: &Line| match lines.contains(line) {
+        true => !is_alike(board, *line, &first.0, ALIKE * seen(board, *line, &placed)),
+        false => is_unmeasured(board, *line, &first.0),
+    };
+    let wrong: Vec<Line> = Line::ALL.into_iter().filter(is_wrong).collect();
     if wrong.is_empty() {
         return Ok(answer(placed, first));
     }
-    let few = Miss::TooFewRings {
-        found: placed.len(),
+    let in_wrong = |ring: &Placed| {
+        wrong
+            .iter()
+            .any(|l| l.contains(board, ring.row, ring.column))
+    };
+    let missing = Miss::LineMissing {
+        found: placed.iter().filter(|ring| !in_wrong(ring)).count(),
         expected: board.ring_count(),
     };
     let mut moved = placed;
@@ -169,7 +180,7 @@ pub(super) fn sure_centres(
     if holds {
         Ok(answer(moved, second))
     } else {
-        Err(few)
+        Err(missing)
     }
 }
 
@@ -178,6 +189,33 @@ fn seen(board: &Board, line: Line, placed: &[Placed]) -> f64 {
         .iter()
         .filter(|ring| line.contains(board, ring.row, ring.column));
     seen.count() as f64
+}
+
+/// Whether no ring of a line could be measured, while most of the others could, in a blur that makes blots of their edges. (In a sharp
+/// picture edges do not deceive, and it is the model that does not describe the line: a lens that bends much.)
+fn is_unmeasured(board: &Board, line: Line, rings: &[Ring]) -> bool {
+    let measured = |of_line: bool| {
+        let of_line = rings
+            .iter()
+            .filter(move |ring| line.contains(board, ring.row, ring.column) == of_line);
+        let (all, measured) = of_line.fold((0, 0), |(all, measured), ring| {
+            (
+                all + 1,
+                measured + usize::from(ring.centre.covariance.is_some()),
+            )
+        });
+        (all, measured)
+    };
+    let ((_, own), (others, measured)) = (measured(true), measured(false));
+    let blurred = rings.iter().filter(|ring| is_drowned(ring)).count();
+    own == 0 && 2 * measured > others && 2 * blurred > rings.len()
+}
+
+/// Whether a ring's blur is so heavy that its edges are not where they seem to be.
+fn is_drowned(ring: &Ring) -> bool {
+    let size = |ellipse: &Ellipse| (ellipse.major * ellipse.minor).sqrt();
+    let width = size(&ring.ellipses.outer) - size(&ring.ellipses.inner);
+    ring.blur_sigma_px > DROWNED * width
 }
 
 /// Whether so many rings of a line (and one at least) have grey values like those of the rings elsewhere.

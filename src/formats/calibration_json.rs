@@ -2,14 +2,14 @@
 
 use crate::calibrate::{Calibration, Range};
 use crate::session::View;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The file; keys as written. Lengths in m, angles in rad, pixels with (0, 0) at the centre of the top-left one.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CalibrationJson {
     /// Lens model, by its ROS name.
-    pub model: &'static str,
+    pub model: String,
     /// Name of the camera.
     pub camera_name: String,
     /// Width of the frames, px.
@@ -17,15 +17,15 @@ pub struct CalibrationJson {
     /// Height of the frames, px.
     pub height: u32,
     /// Values by name: fx, fy, cx, cy in px, the others without unit.
-    pub parameters: BTreeMap<&'static str, f64>,
+    pub parameters: BTreeMap<String, f64>,
     /// Standard deviations by the same names; 0 for a fixed parameter.
-    pub std: BTreeMap<&'static str, f64>,
+    pub std: BTreeMap<String, f64>,
     /// Order of the rows and columns of `covariance`.
-    pub names: Vec<&'static str>,
+    pub names: Vec<String>,
     /// Covariance of the parameters, by rows.
     pub covariance: Vec<Vec<f64>>,
     /// Parameters that were not estimated.
-    pub fixed: Vec<&'static str>,
+    pub fixed: Vec<String>,
     /// Root mean square distance between measured and projected centres, px.
     pub rms_px: f64,
     /// Sum of the squared weighted residuals over the degrees of freedom.
@@ -40,7 +40,7 @@ pub struct CalibrationJson {
 
 /// Standard deviation, in the worst direction, of the pixel at which something would appear to the camera of another calibration
 /// from such views; in the middles of the cells of the frame, by rows; null where the camera has no ray.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProjectionStd {
     /// Cells across the frame.
     pub columns: usize,
@@ -54,13 +54,8 @@ pub struct ProjectionStd {
     pub at_distance: Vec<Option<f64>>,
 }
 
-impl ProjectionStd {
-    const COLUMNS: usize = 10;
-    const ROWS: usize = 10;
-}
-
 /// One input.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ViewJson {
     /// Path of the file, or frame id and stamp.
     pub source: String,
@@ -82,7 +77,7 @@ pub struct ViewJson {
 }
 
 /// One ring of a view.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RingJson {
     /// Row on the board.
     pub row: u16,
@@ -123,24 +118,34 @@ impl CalibrationJson {
         views: &[View],
         outcomes: &[Outcome],
     ) -> Self {
-        let names = || calibration.names.iter().copied();
+        let owned = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect();
+        let names: Vec<String> = owned(&calibration.names);
+        let by_name = |values: Vec<f64>| names.iter().cloned().zip(values).collect();
         let camera = &calibration.camera;
         Self {
-            model: camera.model().name(),
+            model: camera.model().to_string(),
             camera_name: camera_name.to_owned(),
             width: camera.width,
             height: camera.height,
-            parameters: names().zip(calibration.values()).collect(),
-            std: names().zip(calibration.stds()).collect(),
-            names: calibration.names.clone(),
+            parameters: by_name(calibration.values()),
+            std: by_name(calibration.stds()),
             covariance: rows(&calibration.covariance),
-            fixed: calibration.fixed.clone(),
+            fixed: owned(&calibration.fixed),
             rms_px: calibration.rms_px,
             variance_factor: calibration.variance_factor,
             estimator: estimator.to_owned(),
             projection_std_px: ProjectionStd::of(calibration),
             views: view_entries(calibration, views, outcomes),
+            names,
         }
+    }
+
+    /// Reads the text of a file, every number to the last bit.
+    ///
+    /// # Errors
+    /// Where the text stops being a calibration.json.
+    pub fn from_json(text: &str) -> serde_json::Result<Self> {
+        serde_json::from_str(text)
     }
 
     /// The text of the file.
@@ -153,6 +158,9 @@ impl CalibrationJson {
 }
 
 impl ProjectionStd {
+    const COLUMNS: usize = 10;
+    const ROWS: usize = 10;
+
     fn of(calibration: &Calibration) -> Self {
         let distance_m = calibration.typical_distance_m();
         let map = |range| calibration.projection_std_map((Self::COLUMNS, Self::ROWS), range);
@@ -240,6 +248,7 @@ fn entry(calibration: &Calibration, at: usize, view: &View) -> Option<ViewJson> 
 mod tests {
     use super::*;
     use crate::calibrate::{calibrate, synthetic};
+    use crate::formats::{CameraInfo, read_camera};
 
     #[test]
     fn every_input_is_there_in_its_order_with_what_became_of_it() {
@@ -260,8 +269,9 @@ mod tests {
         let file = CalibrationJson::new("front", "cross", &calibration, &views, &outcomes);
         let text = file.to_json().unwrap();
         let json: serde_json::Value = serde_json::from_str(&text).unwrap();
-        // serde_json reads to the last but one bit, what is written is exact
-        assert!(text.contains(&format!("\"fx\": {:?}", calibration.camera.intrinsics.fx)));
+        assert_eq!(CalibrationJson::from_json(&text).unwrap(), file);
+        let info = CameraInfo::new("front", calibration.camera);
+        assert_eq!(read_camera(&text, None), Ok(info));
         let same = |value: &serde_json::Value, wanted: f64| {
             (value.as_f64().unwrap() - wanted).abs() <= 1e-14 * wanted.abs()
         };

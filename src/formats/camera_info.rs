@@ -4,11 +4,13 @@
 //! own focal lengths and principal point, no pixel is scaled away, and for a single camera nothing else is known.
 //! (ROS's cameracalibrator crops there, which depends on a taste for black borders.)
 
+use super::camera_file_error::CameraFileError;
+use super::pinhole::{self, IDENTITY, Matrix, lens_by_count};
 use super::yaml_number::{flow_sequence, scalar};
-use crate::camera::{Camera, Distortion, Intrinsics, LensModel};
+use crate::camera::{Camera, Distortion, LensModel};
 use serde::Deserialize;
 
-/// A camera_info file.
+/// A camera_info file: what a camera file of any format is read as.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraInfo {
     /// Name of the camera, as its driver knows it.
@@ -41,61 +43,10 @@ pub struct RegionOfInterest {
     pub do_rectify: bool,
 }
 
-/// Why a text is not a camera_info file that can be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CameraInfoError {
-    /// Not YAML, or a key is missing or of another kind.
-    #[error("not a camera_info file: {0}")]
-    Syntax(String),
-    /// A matrix of another size.
-    #[error("{name} has {rows} rows, {columns} cols and {values} values, {expected} are needed")]
-    Size {
-        /// Key of the matrix.
-        name: &'static str,
-        /// Its `rows`.
-        rows: usize,
-        /// Its `cols`.
-        columns: usize,
-        /// Length of its `data`.
-        values: usize,
-        /// What is needed.
-        expected: &'static str,
-    },
-    /// A number that is not finite.
-    #[error("{name} holds a value that is not finite")]
-    NotFinite {
-        /// Key of the matrix.
-        name: &'static str,
-    },
-    /// A lens model that is not supported.
-    #[error(
-        "distortion_model {0:?} is not supported; plumb_bob, rational_polynomial and equidistant are"
-    )]
-    Model(String),
-    /// The camera matrix is not that of a camera.
-    #[error("camera_matrix has focal lengths {fx} and {fy}: the camera is not calibrated")]
-    Uncalibrated {
-        /// Its first entry.
-        fx: f64,
-        /// Its fifth entry.
-        fy: f64,
-    },
-    /// A frame without pixels.
-    #[error("image_width {width} and image_height {height} must be positive")]
-    NoPixels {
-        /// Width, px.
-        width: u32,
-        /// Height, px.
-        height: u32,
-    },
-}
-
-const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
-
 impl CameraInfo {
     /// The file of a single camera: no rectification, projection as the camera matrix.
     pub fn new(camera_name: impl Into<String>, camera: Camera) -> Self {
-        let [a, b, c, d, e, f, g, h, i] = camera_matrix(&camera);
+        let [a, b, c, d, e, f, g, h, i] = pinhole::camera_matrix(&camera);
         Self {
             camera_name: camera_name.into(),
             camera,
@@ -108,7 +59,7 @@ impl CameraInfo {
 
     /// The camera matrix by rows.
     pub fn camera_matrix(&self) -> [f64; 9] {
-        camera_matrix(&self.camera)
+        pinhole::camera_matrix(&self.camera)
     }
 
     /// The text of the file.
@@ -142,37 +93,22 @@ impl CameraInfo {
         text
     }
 
-    /// Reads the text of a file. The rectification and projection matrices may be missing; unknown keys are ignored, as the
-    /// ROS parsers do.
+    /// Reads the text of a file. As for the ROS parsers, the rectification and projection matrices may be missing, a file without
+    /// a model is `plumb_bob`, and unknown keys are ignored.
     ///
     /// # Errors
-    /// [`CameraInfoError`] names the key and what was expected.
-    pub fn from_yaml(text: &str) -> Result<Self, CameraInfoError> {
-        let file: File =
-            serde_saphyr::from_str(text).map_err(|e| CameraInfoError::Syntax(e.to_string()))?;
-        let (width, height) = (file.image_width, file.image_height);
-        if width == 0 || height == 0 {
-            return Err(CameraInfoError::NoPixels { width, height });
-        }
-        let model: LensModel = match file.distortion_model.as_str() {
-            // OpenCV's name for the same
-            "fisheye" => LensModel::Equidistant,
-            name => name
-                .parse()
-                .map_err(|_| CameraInfoError::Model(file.distortion_model.clone()))?,
-        };
-        let k: [f64; 9] = file.camera_matrix.values("camera_matrix", "3 x 3")?;
-        let distortion = file.distortion_coefficients.lens(model)?;
-        let [fx, _, cx, _, fy, cy, ..] = k;
-        if !(fx > 0.0 && fy > 0.0) {
-            return Err(CameraInfoError::Uncalibrated { fx, fy });
-        }
-        let camera = Camera {
-            width,
-            height,
-            intrinsics: Intrinsics { fx, fy, cx, cy },
-            distortion,
-        };
+    /// [`CameraFileError`] names the key and what was expected.
+    pub fn from_yaml(text: &str) -> Result<Self, CameraFileError> {
+        let file: File = serde_saphyr::from_str(text).map_err(|error| CameraFileError::Syntax {
+            format: "a camera_info file",
+            reason: error.to_string(),
+        })?;
+        let k = file.camera_matrix.values("camera_matrix", "3 x 3")?;
+        let camera = pinhole::camera(
+            (file.image_width, file.image_height),
+            pinhole::intrinsics(&k)?,
+            file.lens()?,
+        )?;
         let mut info = Self::new(file.camera_name, camera);
         if let Some(matrix) = &file.rectification_matrix {
             info.rectification = matrix.values("rectification_matrix", "3 x 3")?;
@@ -189,11 +125,6 @@ impl CameraInfo {
     }
 }
 
-fn camera_matrix(camera: &Camera) -> [f64; 9] {
-    let k = &camera.intrinsics;
-    [k.fx, 0.0, k.cx, 0.0, k.fy, k.cy, 0.0, 0.0, 1.0]
-}
-
 /// The keys as written.
 #[derive(Deserialize)]
 struct File {
@@ -202,7 +133,7 @@ struct File {
     #[serde(default)]
     camera_name: String,
     camera_matrix: Matrix,
-    distortion_model: String,
+    distortion_model: Option<String>,
     distortion_coefficients: Matrix,
     rectification_matrix: Option<Matrix>,
     projection_matrix: Option<Matrix>,
@@ -211,58 +142,31 @@ struct File {
     roi: Option<RegionOfInterest>,
 }
 
-#[derive(Deserialize)]
-struct Matrix {
-    rows: usize,
-    cols: usize,
-    data: Vec<f64>,
-}
-
-impl Matrix {
-    /// The coefficients of a lens, in a row.
-    fn lens(&self, model: LensModel) -> Result<Distortion, CameraInfoError> {
+impl File {
+    fn lens(&self) -> Result<Distortion, CameraFileError> {
+        let model = match self.distortion_model.as_deref() {
+            None => LensModel::PlumbBob,
+            // OpenCV's name for the same
+            Some("fisheye") => LensModel::Equidistant,
+            Some(name) => name.parse().map_err(|_| CameraFileError::Model {
+                key: "distortion_model",
+                model: name.to_owned(),
+                supported: "plumb_bob, rational_polynomial and equidistant",
+            })?,
+        };
         let name = "distortion_coefficients";
         let expected = match model {
             LensModel::PlumbBob => "1 x 5",
             LensModel::RationalPolynomial => "1 x 8",
             LensModel::Equidistant => "1 x 4",
         };
-        if self.data.iter().any(|value| !value.is_finite()) {
-            return Err(CameraInfoError::NotFinite { name });
-        }
-        let wrong_size = CameraInfoError::Size {
-            name,
-            rows: self.rows,
-            columns: self.cols,
-            values: self.data.len(),
-            expected,
+        let values = self.distortion_coefficients.vector(name, expected)?;
+        let lens = match model {
+            LensModel::Equidistant => Distortion::new(model, values),
+            // drivers also write the four coefficients of a plumb_bob without k3
+            _ => lens_by_count(name, values)?.filter(|lens| lens.model() == model),
         };
-        let size = format!("{} x {}", self.rows, self.cols);
-        Distortion::new(model, &self.data)
-            .filter(|_| size == expected)
-            .ok_or(wrong_size)
-    }
-
-    fn values<const N: usize>(
-        &self,
-        name: &'static str,
-        expected: &'static str,
-    ) -> Result<[f64; N], CameraInfoError> {
-        let size = format!("{} x {}", self.rows, self.cols);
-        let values = <[f64; N]>::try_from(self.data.as_slice())
-            .ok()
-            .filter(|_| size == expected)
-            .ok_or(CameraInfoError::Size {
-                name,
-                rows: self.rows,
-                columns: self.cols,
-                values: self.data.len(),
-                expected,
-            })?;
-        if values.iter().any(|value| !value.is_finite()) {
-            return Err(CameraInfoError::NotFinite { name });
-        }
-        Ok(values)
+        lens.ok_or_else(|| self.distortion_coefficients.wrong_size(name, expected))
     }
 }
 
@@ -270,7 +174,7 @@ impl Matrix {
 mod tests {
     use super::*;
     use crate::calibrate::synthetic::wide;
-    use crate::camera::PlumbBob;
+    use crate::camera::{Intrinsics, PlumbBob};
     use proptest::prelude::*;
 
     #[test]
@@ -356,6 +260,18 @@ projection_matrix:
         assert!(refused("-0.3", ".nan").contains("not finite"));
         assert!(refused("image_width: 640", "image_width: 0").contains("image_width 0"));
         assert!(refused("camera_matrix:", "matrix:").contains("camera_matrix"));
+        assert!(refused("401.5, 0.0,", "401.5, 0.5,").contains("row 1 column 2 is 0.5"));
         assert!(CameraInfo::from_yaml("- 1\n- 2").is_err());
+    }
+
+    #[test]
+    fn what_ros_reads_is_read() {
+        let info = CameraInfo::new("front", wide());
+        let old = info.to_yaml().replace("distortion_model: plumb_bob\n", "");
+        assert_eq!(CameraInfo::from_yaml(&old).unwrap(), info);
+        let four = old.replace("cols: 5", "cols: 4").replace(", -0.01]", "]");
+        let read = CameraInfo::from_yaml(&four).unwrap();
+        let coefficients = read.camera.distortion.coefficients();
+        assert_eq!(coefficients, [-0.3, 0.09, 0.0008, -0.0012, 0.0]);
     }
 }

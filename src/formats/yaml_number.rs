@@ -6,9 +6,9 @@ pub(super) fn flow_sequence(values: &[f64]) -> String {
     format!("[{}]", words.join(", "))
 }
 
-/// YAML 1.1 (PyYAML, and so ROS's Python tools) takes a number for a string unless it has a point, and a sign before its
+/// The shortest text that reads back as the same f64. YAML 1.1 (PyYAML, and so ROS's Python tools) takes a number for a string unless it has a point, and a sign before its
 /// exponent.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let text = format!("{value:?}");
     let Some((mantissa, exponent)) = text.split_once('e') else {
         return text;

@@ -11,18 +11,46 @@ const FULL_SCALE: f32 = 255.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thumbnail {
     size: (usize, usize),
+    /// Side of a cell, px.
+    side: usize,
     cells: Vec<f32>,
 }
 
 impl Thumbnail {
     /// Of a frame, in square cells; what is left over at the right and at the bottom counts to the last cells.
     pub fn of(frame: &Frame) -> Self {
+        Self::with_longest(frame, LONGEST)
+    }
+
+    /// The same with at most so many cells along the longer side, to look at.
+    pub fn with_longest(frame: &Frame, longest: usize) -> Self {
         let size = (frame.width(), frame.height());
+        let side = size.0.max(size.1).div_ceil(longest.max(1)).max(1);
         let cells = match &frame.pixels {
-            Pixels::U8(plane) => means(plane, FULL_SCALE / f32::from(u8::MAX)),
-            Pixels::U16(plane) => means(plane, FULL_SCALE / f32::from(u16::MAX)),
+            Pixels::U8(plane) => means(plane, side, FULL_SCALE / f32::from(u8::MAX)),
+            Pixels::U16(plane) => means(plane, side, FULL_SCALE / f32::from(u16::MAX)),
         };
-        Self { size, cells }
+        Self { size, side, cells }
+    }
+
+    /// The grey values, 0 to 255, by rows.
+    pub fn cells(&self) -> &[f32] {
+        &self.cells
+    }
+
+    /// Cells across and down.
+    pub fn grid(&self) -> (usize, usize) {
+        grid(self.size, self.side)
+    }
+
+    /// Width and height of the frame, px.
+    pub fn frame_px(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// Side of a cell, px of the frame.
+    pub fn cell_px(&self) -> usize {
+        self.side
     }
 
     /// The largest difference of two cells in the same place, 0 to 255; `None` for frames of different sizes.
@@ -33,10 +61,13 @@ impl Thumbnail {
     }
 }
 
-fn means<P: Pixel + Into<u32>>(plane: &Plane<P>, scale: f32) -> Vec<f32> {
-    let (width, height) = (plane.width(), plane.height());
-    let side = width.max(height).div_ceil(LONGEST).max(1);
-    let (columns, rows) = ((width / side).max(1), (height / side).max(1));
+fn grid((width, height): (usize, usize), side: usize) -> (usize, usize) {
+    ((width / side).max(1), (height / side).max(1))
+}
+
+fn means<P: Pixel + Into<u32>>(plane: &Plane<P>, side: usize, scale: f32) -> Vec<f32> {
+    let height = plane.height();
+    let (columns, rows) = grid((plane.width(), height), side);
     let mut sums = vec![(0_u64, 0_u64); columns * rows];
     for y in 0..height {
         let row = (y / side).min(rows - 1) * columns;
@@ -91,5 +122,13 @@ mod tests {
             None
         );
         assert_eq!(Thumbnail::of(&frame(1, 1, |_, _| 9)).cells, [9.0]);
+    }
+
+    #[test]
+    fn it_may_be_larger_to_be_looked_at() {
+        let larger = Thumbnail::with_longest(&frame(640, 483, |x, _| (x / 4) as u8), 320);
+        assert_eq!((larger.grid(), larger.cell_px()), ((320, 241), 2));
+        assert_eq!(larger.cells().len(), 320 * 241);
+        assert_eq!(larger.cells()[7], 3.0);
     }
 }

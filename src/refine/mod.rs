@@ -2,15 +2,16 @@
 //!
 //! The first pass takes a ring's perspective from a smooth map through the centres of its own view; the camera knows it from all
 //! views. Where a view has kept a ring's pixels they are fitted again with the camera's shape; where it has kept the fit
-//! alone, the centre moves as the fit's covariance says. Calibrate, refine, calibrate: two passes are enough.
+//! alone, the centre moves as the fit's covariance says. What the lens's bends have moved is moved back. Calibrate, refine, calibrate: two passes are enough.
 
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
 use crate::camera::Pose;
-use crate::centre::photometric::{KnownRing, Shape, refit, shape_under};
+use crate::centre::photometric::{KnownRing, bent, refit, shape_under};
 use crate::session::View;
-use nalgebra::Point2;
+use nalgebra::Vector2;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Calibrates, finds the centres again with that camera, and calibrates from those. Where no ring was measured photometrically there
 /// is nothing to find again, and the first calibration is the result. Returns the views it comes from, too.
@@ -49,40 +50,38 @@ pub fn refine(board: &Board, views: &[View], calibration: &Calibration) -> Vec<V
 }
 
 fn refine_view(board: &Board, view: &View, calibration: &Calibration, pose: &Pose) -> View {
+    let image = |place: usize, d: Vector2<f64>| {
+        let ring = &view.rings[place];
+        let [x, y] = board.centre_m(ring.row, ring.column);
+        let radius = board.outer_radius_m();
+        let on_board = [x + d.x * radius, y + d.y * radius];
+        let on_sheet = calibration.sheet.place_m(on_board, board.middle_m());
+        let point = pose.rotation * on_sheet + pose.translation_m;
+        calibration.camera.project(&point)
+    };
     let (places, rings): (Vec<usize>, Vec<KnownRing>) = view
         .rings
         .iter()
         .enumerate()
         .filter_map(|(place, ring)| {
-            let shape = ring_shape(board, (ring.row, ring.column), calibration, pose)?;
+            let shape = shape_under(|d| image(place, d))?;
             let kept = ring.kept.as_deref()?;
             Some((place, KnownRing { kept, shape }))
         })
         .unzip();
+    let ratio = board.radius_ratio();
+    let found = refit(&rings, ratio, |i, d| image(places[i], d));
     let mut refined = view.clone();
-    for (place, again) in places.into_iter().zip(refit(&rings, board.radius_ratio())) {
-        if let Some((point, covariance)) = again {
-            let centre = &mut refined.rings[place].centre;
+    refined.straight = true;
+    let mut again = places.into_iter().zip(found).collect::<BTreeMap<_, _>>();
+    for (place, ring) in refined.rings.iter_mut().enumerate() {
+        let centre = &mut ring.centre;
+        if let Some((point, covariance)) = again.remove(&place).flatten() {
             centre.point = point;
             centre.covariance = Some(covariance);
+        } else if centre.covariance.is_some() {
+            centre.point -= bent(|d| image(place, d), ratio).unwrap_or_default();
         }
     }
     refined
-}
-
-/// The image of a ring of the board, px; `None` where the camera does not see it.
-fn ring_shape(
-    board: &Board,
-    (row, column): (u16, u16),
-    calibration: &Calibration,
-    pose: &Pose,
-) -> Option<Shape> {
-    let [x, y] = board.centre_m(row, column);
-    let radius = board.outer_radius_m();
-    shape_under(|d| {
-        let place = Point2::new(x + d.x * radius, y + d.y * radius);
-        let on_sheet = calibration.sheet.place_m(place.into(), board.middle_m());
-        let point = pose.rotation * on_sheet + pose.translation_m;
-        calibration.camera.project(&point)
-    })
 }

@@ -1,151 +1,126 @@
-//! report.html: a calibration on one page that needs nothing but itself.
+//! report.html: a calibration, or why there is none, on one page that needs nothing but itself.
+//!
+//! The verdict comes first, then what it rests on. There is no script, no link and no clock: the page works from a disk, prints,
+//! follows the reader's choice of light or dark, and is the same for the same calibration.
 
-use super::svg;
-use crate::formats::{CalibrationJson, ViewJson};
+use super::escape::escaped;
+use super::figures::{self, Figure};
+use super::{Pictures, tables, thumbnails, verdict};
+use crate::board::Board;
+use crate::calibrate::{Assessment, Calibration, CrossValidation, Range};
+use crate::formats::Outcome;
+use crate::session::View;
 
-const STYLE: &str = "\
-body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:60rem;margin:2rem auto;padding:0 1rem}\
-h1{font-size:1.5rem;margin-bottom:0}h2{font-size:1.1rem;margin-top:2rem}\
-table{border-collapse:collapse;width:100%}\
-th,td{text-align:left;padding:.25rem .75rem .25rem 0;border-bottom:1px solid #e4e4e4;vertical-align:top}\
-td.n,th.n{text-align:right;font-variant-numeric:tabular-nums}\
-table.narrow{width:auto}table.narrow td,table.narrow th{padding-right:2rem}figure{margin:0}svg{width:100%;height:auto;max-height:34rem;overflow:visible}\
-.frame{fill:#fafafa;stroke:#999;stroke-width:1;vector-effect:non-scaling-stroke}\
-.pair{display:grid;grid-template-columns:1fr 1fr;gap:1.5rem}\
-.unused{color:#888}.warn{color:#a04000}\
-@media(max-width:50rem){.pair{grid-template-columns:1fr}}";
+const STYLE: &str = include_str!("style.css");
+/// Keeps a browser from fetching anything, whatever finds its way into the page.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+/// The hatching of what was not seen; one for all figures, because an id must be unique.
+const HATCH: &str = "<svg class=\"defs\" aria-hidden=\"true\"><defs><pattern id=\"hatch\" width=\"8\" height=\"8\" \
+     patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(45)\"><line class=\"hatching\" x1=\"0\" y1=\"0\" x2=\"0\" \
+     y2=\"8\"/></pattern></defs></svg>\n";
+
+/// What the page is made of.
+#[derive(Debug)]
+pub struct Report<'a> {
+    /// Name of the camera.
+    pub camera_name: &'a str,
+    /// What measured the centres.
+    pub estimator: &'a str,
+    /// The board that was looked for.
+    pub board: &'a Board,
+    /// Frames that were read.
+    pub inputs: u64,
+    /// The views that the calibration was tried from.
+    pub views: &'a [View],
+    /// Every image file and every view of the bags.
+    pub outcomes: &'a [Outcome],
+    /// Frames of bags that became no views: how many, and why.
+    pub passed_over: &'a [(u64, String)],
+    /// Small pictures of frames, by their source; of views, and of some files that are none.
+    pub pictures: &'a Pictures,
+    /// What the calibration is worth, or why there is none.
+    pub assessment: &'a Assessment,
+    /// The calibration, where there is one.
+    pub solved: Option<Solved<'a>>,
+}
+
+/// A calibration and its cross-validation, if it has one.
+#[derive(Debug, Clone, Copy)]
+pub struct Solved<'a> {
+    /// The calibration of the views.
+    pub calibration: &'a Calibration,
+    /// How it does on views left out.
+    pub validated: Option<&'a CrossValidation>,
+}
 
 /// The page. All text that comes from outside is escaped.
-pub fn report_html(file: &CalibrationJson) -> String {
-    let used = file.views.iter().filter(|view| view.used).count();
-    let (residuals, scale) = svg::residuals(file);
-    let title = format!("Calibration of {}", escaped(&file.camera_name));
+pub fn report_html(report: &Report) -> String {
+    let title = format!("Calibration of {}", escaped(report.camera_name));
+    let version = env!("CARGO_PKG_VERSION");
+    let sections = [
+        verdict::section(report),
+        tables::facts(report),
+        verdict::criteria(report.assessment),
+        tables::parameters(report),
+        figure_section(report),
+        thumbnails::section(report),
+        tables::left_out(report),
+        tables::views(report),
+    ];
     format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width\">\
-         <title>{title}</title><style>{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n\
-         <p>{} x {} px, {}, centres by {}. {used} of {} inputs used. \
-         Reprojection error <strong>{:.4} px</strong> rms.</p>\n\
-         <p>A small reprojection error alone does not prove a calibration: look at the standard deviations, at how \
-         much of the frame is covered, and check on focused views at another distance.</p>\n\
-         <h2>Parameters</h2>\n{}\n<h2>Rings</h2>\n<div class=\"pair\">\
-         <figure>{}<figcaption>Where the rings were, one colour a view</figcaption></figure>\
-         <figure>{residuals}<figcaption>Residuals, measured less projected, {scale} times as long</figcaption>\
-         </figure></div>\n<h2>Views</h2>\n{}\n</body></html>\n",
-        file.width,
-        file.height,
-        escaped(file.model),
-        escaped(&file.estimator),
-        file.views.len(),
-        file.rms_px,
-        parameters(file),
-        svg::coverage(file),
-        views(&file.views),
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}</title>\n<style>\n{STYLE}</style></head>\n<body>\n{HATCH}<h1>{title}</h1>\n{}\
+         <footer>Made by ringcal {version}; docs/report.md there says how to read this page. Pixel (0, 0) is the centre of the \
+         upper left one.</footer>\n</body></html>\n",
+        sections.concat(),
     )
 }
 
-fn parameters(file: &CalibrationJson) -> String {
-    let mut text = String::from(
-        "<table class=\"narrow\"><tr><th>Name</th><th class=\"n\">Value</th><th class=\"n\">Standard deviation</th></tr>\n",
-    );
-    for name in &file.names {
-        let (Some(value), Some(std)) = (file.parameters.get(name), file.std.get(name)) else {
-            continue;
-        };
-        // pixels to a ten-thousandth, what has no unit to as many digits as anyone uses
-        let digits = if "fx fy cx cy".contains(name) { 4 } else { 8 };
-        let std = if file.fixed.contains(name) {
-            "fixed".to_owned()
-        } else {
-            format!("{std:.digits$}")
-        };
-        text += &format!(
-            "<tr><td>{name}</td><td class=\"n\">{value:.digits$}</td><td class=\"n\">{std}</td></tr>\n"
-        );
+fn figure_section(report: &Report) -> String {
+    let figures = match &report.solved {
+        Some(solved) => of_calibration(report.views, solved.calibration),
+        None => of_views(report.views),
+    };
+    if figures.is_empty() {
+        return String::new();
     }
-    text + "</table>"
+    let figures: String = figures.into_iter().map(Figure::html).collect();
+    format!("<h2>Figures</h2>\n<div class=\"figures\">\n{figures}</div>\n")
 }
 
-fn views(views: &[ViewJson]) -> String {
-    let mut text = String::from(
-        "<table><tr><th>Source</th><th class=\"n\">Rings</th><th class=\"n\">rms, px</th><th></th></tr>\n",
-    );
-    for view in views {
-        let class = if view.used { "used" } else { "unused" };
-        let rms = view.rms_px.map_or(String::new(), |rms| format!("{rms:.4}"));
-        let rings = if view.used {
-            view.rings.len().to_string()
-        } else {
-            String::new()
-        };
-        let reason = view.reason.as_deref().map_or(String::new(), escaped);
-        let said = if view.used {
-            format!("<span class=\"warn\">{reason}</span>")
-        } else {
-            format!("not used: {reason}")
-        };
-        text += &format!(
-            "<tr class=\"{class}\"><td>{}</td><td class=\"n\">{rings}</td><td class=\"n\">{rms}</td>\
-             <td>{said}</td></tr>\n",
-            escaped(&view.source)
-        );
-    }
-    text + "</table>"
+fn of_calibration(views: &[View], calibration: &Calibration) -> Vec<Figure> {
+    let pairs = views.iter().zip(&calibration.views);
+    let used: Vec<&View> = pairs
+        .filter(|(_, fit)| fit.used())
+        .map(|(view, _)| view)
+        .collect();
+    let camera = &calibration.camera;
+    let distance = Range::At(calibration.typical_distance_m());
+    vec![
+        figures::uncertainty(calibration, Range::Infinity),
+        figures::uncertainty(calibration, distance),
+        figures::coverage(&used, (f64::from(camera.width), f64::from(camera.height))),
+        figures::residuals(views, calibration),
+        figures::by_view(calibration),
+        figures::by_radius(views, calibration),
+        figures::blur(views),
+        figures::distortion(camera),
+    ]
 }
 
-/// Text as it may stand in an element or a quoted attribute.
-fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out += "&amp;",
-            '<' => out += "&lt;",
-            '>' => out += "&gt;",
-            '"' => out += "&quot;",
-            '\'' => out += "&#39;",
-            _ => out.push(c),
-        }
-    }
-    out
+/// What can be drawn without a camera.
+fn of_views(views: &[View]) -> Vec<Figure> {
+    let Some(first) = views.first() else {
+        return Vec::new();
+    };
+    let all: Vec<&View> = views.iter().collect();
+    vec![
+        figures::coverage(&all, (first.width as f64, first.height as f64)),
+        figures::blur(views),
+    ]
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::calibrate::{CalibrateOptions, Fixed, calibrate, synthetic};
-    use crate::formats::Outcome;
-
-    #[test]
-    fn the_page_shows_everything_and_escapes_what_comes_from_outside() {
-        let (camera, board) = (synthetic::ordinary(), synthetic::board());
-        let poses = synthetic::poses(&camera, &board);
-        let views = synthetic::views(&camera, &board, &poses, 0.1, 1);
-        let options = CalibrateOptions {
-            fixed: Fixed::from_entries(["k3"]).unwrap(),
-            ..CalibrateOptions::default()
-        };
-        let calibration = calibrate(&board, &views, &options).unwrap();
-        let mut outcomes: Vec<Outcome> = (0..views.len()).map(Outcome::Used).collect();
-        outcomes.push(Outcome::NotUsed {
-            source: "<script>.png".into(),
-            reason: "\"a\" & 'b'".into(),
-        });
-        let file = CalibrationJson::new("<b>", "cross", &calibration, &views, &outcomes);
-        let page = report_html(&file);
-        assert!(!page.contains("<script") && !page.contains("<b>"));
-        assert!(page.contains("&lt;script&gt;.png"));
-        assert!(page.contains("&quot;a&quot; &amp; &#39;b&#39;"));
-        assert!(page.contains("12 of 13 inputs used"));
-        assert!(
-            page.contains("<td>k3</td><td class=\"n\">0.00000000</td><td class=\"n\">fixed</td>")
-        );
-        assert_eq!(page.matches("<circle").count(), 12 * 49);
-        assert_eq!(page.matches("<line").count(), 12 * 49);
-        for tag in ["svg", "table", "figure", "g", "tr", "td"] {
-            let opened = page.matches(&format!("<{tag} ")).count()
-                + page.matches(&format!("<{tag}>")).count();
-            assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
-        }
-        assert!(!page.contains("http"), "it needs nothing from elsewhere");
-    }
-}
+mod tests;

@@ -202,20 +202,16 @@ impl<'a> Tracer<'a> {
     /// Where a place on the board is in the picture, and how blurred.
     fn picture(&self, at: &OnBoard) -> Result<InPicture, SceneError> {
         let [x_m, y_m] = at.point_m;
-        let camera = &self.scene.camera;
+        let rotation = self.scene.pose.rotation;
         let point = self.scene.pose.board_to_camera(at.point_m);
-        let step = self.scene.pose.rotation * Vector3::new(at.step_m.x, at.step_m.y, 0.0);
-        if point.z <= 0.0 {
-            return Err(SceneError::BehindCamera { x_m, y_m });
-        }
-        let ideal = Point2::new(point.x / point.z, point.y / point.z);
-        let ideal_step = (step.xy() - ideal.coords * step.z) / point.z;
-        let jacobian = camera.distortion.jacobian(&ideal);
-        if jacobian.determinant() <= 0.0 {
+        let step = rotation * Vector3::new(at.step_m.x, at.step_m.y, 0.0);
+        let seen = self.scene.camera.project_with_derivatives(&point);
+        let seen = seen.ok_or(SceneError::BehindCamera { x_m, y_m })?;
+        // the board is seen from its front, so that only a lens that folds turns its axes round
+        let axes = seen.wrt_point * rotation.matrix().fixed_columns::<2>(0);
+        if axes.determinant() <= 0.0 {
             return Err(SceneError::Folded { x_m, y_m });
         }
-        let distorted_step = jacobian * ideal_step;
-        let k = &camera.intrinsics;
         let (size, slope) = self.scene.defocus.size_px(point.z);
         if size > MAX_SIZE_PX {
             let depth_m = point.z;
@@ -225,8 +221,8 @@ impl<'a> Tracer<'a> {
             });
         }
         Ok(InPicture {
-            place: camera.pixel(&camera.distortion.distort(&ideal)),
-            step: Vector2::new(k.fx * distorted_step.x, k.fy * distorted_step.y),
+            place: seen.pixel,
+            step: seen.wrt_point * step,
             size,
             growth: slope * step.z,
         })

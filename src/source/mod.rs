@@ -6,7 +6,7 @@
 
 pub mod bag;
 mod board_file;
-mod camera_info_file;
+mod camera_file;
 mod error;
 mod folder;
 mod image_file;
@@ -16,7 +16,7 @@ mod recorded;
 mod text_file;
 
 pub use board_file::{BoardFileError, read_board};
-pub use camera_info_file::{CameraInfoFileError, read_camera_info};
+pub use camera_file::{NoCamera, read_camera_file, read_camera_of};
 pub use error::SourceError;
 pub use image_file::read_image;
 pub use inputs::{Inputs, Item};

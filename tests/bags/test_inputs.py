@@ -1,6 +1,7 @@
 """Which topic, which frames, and what the other commands do with a bag."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,22 @@ def test_of_several_topics_one_is_asked_for(stereo: Path, tmp_path: Path) -> Non
         assert "--topic" in done.stderr
     result, said = calibrate(tmp_path, stereo, "--topic", "/left/image_raw")
     assert "75 frames" in said and len(result["views"]) > 10
+
+
+def test_the_report_of_a_bag_shows_its_views_and_counts_the_other_frames(
+    stereo: Path, frames: Frames, tmp_path: Path
+) -> None:
+    result, _ = calibrate(tmp_path, stereo, "--topic", "/left/image_raw")
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert page.count("<image ") == min(12, len(result["views"]))
+    counts = re.findall(r"<td class=\"source\">(\d+) frames of bags</td>", page)
+    assert sum(map(int, counts)) + len(result["views"]) == 75
+    # of a bag that gives no calibration it says what became of the frames
+    bag = write(tmp_path / "grey", {"/image": of_raw(p // 250 for p in frames.pixels[:5])})
+    done = ringcal("calibrate", bag, "--board", BOARD, "--output", tmp_path / "none")
+    assert done.returncode == 1 and "0 views" in done.stderr
+    page = (tmp_path / "none" / "report.html").read_text()
+    assert "found in none of the 5 inputs" in page and "without the board; the first of them: too dark" in page
 
 
 def test_a_topic_that_is_not_there_is_named(stereo: Path) -> None:

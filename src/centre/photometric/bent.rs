@@ -52,7 +52,7 @@ fn curve(
 }
 
 /// Q_a of [`Shape`] at a point, its derivatives by centre and affine shape, and by the point.
-fn implicit(
+pub(super) fn implicit(
     shape: &Shape,
     point: &Point2<f64>,
     radius: f64,

@@ -118,6 +118,26 @@ impl Coverage {
         Some(())
     }
 
+    /// What outlines change where they are displaced, as the first of the changes: `nodes_of` traces the circle of a radius (outer radii), its
+    /// nodes at most so far apart, with the displacement in their first sweep. The blur must not be sharp.
+    #[inline(always)]
+    pub(super) fn fill_displaced(
+        &mut self,
+        grid: &Grid,
+        blur: &Blur,
+        (ratio, contrasts): (f64, Contrasts),
+        nodes_of: impl Fn(f64, f64, &mut Vec<Node>) -> Option<()>,
+    ) -> Option<()> {
+        let (psf, kernel_size) = kernel_of(blur, grid);
+        self.clear(grid, None, true);
+        for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
+            nodes_of(radius, spacing(psf, kernel_size), &mut self.nodes)?;
+            let contrast = Some(contrasts[circle] as f32);
+            self.lay(grid, (psf, kernel_size), circle, contrast);
+        }
+        Some(())
+    }
+
     /// Empties the planes, but for what `base` holds.
     #[inline(always)]
     fn clear(&mut self, grid: &Grid, base: Option<&[Plane; 2]>, changes: bool) {

@@ -167,25 +167,42 @@ impl Correction {
         let board = known + Vector2::new(correction[0], correction[1]);
         let uncertain = &row * &self.covariance * row.transpose();
         let uncertain = known_to + Matrix2::from_fn(|i, j| uncertain[(i, j)]);
-        given_perspective(ring, &(board, uncertain)).unwrap_or((centre, own))
+        let given = given_perspective(ring, &(board, uncertain));
+        let believed = given.filter(Given::is_near);
+        believed.map_or((centre, own), |given| given.centre)
     }
 }
 
-/// A ring's centre given that its perspective is this one; `None` where its own is too far from that or has no covariance.
+/// A ring whose perspective is known.
+pub(super) struct Given {
+    /// Its centre then.
+    pub(super) centre: CentreAndCovariance,
+    /// How far its own perspective was off, in standard deviations squared.
+    pub(super) off: f64,
+}
+
+impl Given {
+    /// Whether its own perspective was near enough for that to be noise.
+    pub(super) fn is_near(&self) -> bool {
+        self.off < OUTLIER * OUTLIER
+    }
+}
+
+/// A ring's centre given that its perspective is this one; `None` where its own has no covariance.
 pub(super) fn given_perspective(
     ring: &RingFitted,
     (perspective, uncertain): &Perspective,
-) -> Option<CentreAndCovariance> {
+) -> Option<Given> {
     let inverse = perspective_covariance(ring).try_inverse()?;
     let off = perspective - ring.model.shape.perspective;
-    if off.dot(&(inverse * off)) > OUTLIER * OUTLIER {
-        return None;
-    }
     let cross = ring.covariance.fixed_view::<2, 2>(0, 5).into_owned();
     let gain = cross * inverse;
     let known = ring.centre_covariance() - gain * cross.transpose();
     let covariance = known + gain * uncertain * gain.transpose();
-    Some((ring.model.shape.centre + gain * off, covariance))
+    Some(Given {
+        centre: (ring.model.shape.centre + gain * off, covariance),
+        off: off.dot(&(inverse * off)),
+    })
 }
 
 fn perspective_covariance(ring: &RingFitted) -> Matrix2<f64> {

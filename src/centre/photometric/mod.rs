@@ -9,7 +9,7 @@
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
 //!                      `trust`, blur that is `uneven`, and the perspective they share (`law`, `lens_map`)
-//! kept     -> refit    the second pass: rings that a view kept, their shapes known
+//! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
 //!
 //! No construction on edges can be right under blur: an edge is displaced by the neighbouring edge and by its own
@@ -50,6 +50,7 @@ mod sheet;
 mod sheet_start;
 mod stamps;
 mod start;
+mod straight;
 mod trust;
 mod under;
 mod uneven;

@@ -1,6 +1,7 @@
 //! Residuals of a window under a model, and their normal equations.
 
 use super::blur::Blur;
+use super::boundary::Node;
 use super::censored::Censored;
 use super::coverage::{Contrasts, Coverage, Plane};
 use super::fit::Known;
@@ -190,6 +191,25 @@ impl Workspace {
             },
         )?;
         Some(&self.residuals)
+    }
+
+    /// What displaced outlines add to a ring's unshaded light, in padded rows ([`Coverage::fill_displaced`]).
+    pub(super) fn displaced(
+        &mut self,
+        grid: &Grid,
+        model: &RingModel,
+        ratio: f64,
+        nodes_of: impl Fn(f64, f64, &mut Vec<Node>) -> Option<()>,
+    ) -> Option<&[f32]> {
+        let known = (ratio, model.contrasts());
+        self.dispatch(
+            #[inline(always)]
+            |room| {
+                room.coverage
+                    .fill_displaced(grid, &model.blur, known, nodes_of)
+            },
+        )?;
+        Some(&self.coverage.changes[0])
     }
 
     /// Residuals of all pixels of a window under a model, in padded rows; zero where a pixel does not count.

@@ -1,17 +1,23 @@
 //! Rings of a view fitted again, their shapes known from elsewhere.
 
 use super::around::around;
+use super::bent::bent;
 use super::fit::{Given, Known, RingFitted};
 use super::kept::KeptRing;
 use super::law::{CentreAndCovariance, given_perspective};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::Shape;
-use nalgebra::Matrix2;
+use super::straight::displaced;
+use nalgebra::{Matrix2, Point2, Vector2};
 use rayon::prelude::*;
 
 /// The known shape may put the ring so many standard deviations from where it was; else it is not believed.
 const FARTHEST: f64 = 6.0;
+
+/// A fit that is free takes a wrong perspective for the bends of a lens. The known one is believed all the same where it leaves no more than
+/// this in the pixels, of the contrast.
+const BENT: f64 = 6e-3;
 
 /// A ring as a view keeps it, and its shape as a camera and a pose say it is.
 #[derive(Debug, Clone, Copy)]
@@ -22,14 +28,24 @@ pub struct KnownRing<'a> {
     pub shape: Shape,
 }
 
-/// The centres of one view's rings with these shapes, in their order; `None` for a ring whose pixels contradict its shape.
-pub fn refit(rings: &[KnownRing], ratio: f64) -> Vec<Option<CentreAndCovariance>> {
+/// The centres of one view's rings with these shapes, in their order, free of what a lens's bends do; `None` for a ring whose pixels
+/// contradict its shape. `image` is where the camera sees a place about a ring's centre (by its number here), in outer radii.
+pub fn refit(
+    rings: &[KnownRing],
+    ratio: f64,
+    image: impl Fn(usize, Vector2<f64>) -> Option<Point2<f64>> + Sync,
+) -> Vec<Option<CentreAndCovariance>> {
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.kept.fitted.model).collect();
+    let image = &image;
     rings
         .par_iter()
         .enumerate()
         .map_init(Workspace::default, |room, (i, ring)| {
-            refit_one(ring, ratio, (i, &models), room)
+            let (centre, covariance) = refit_one(ring, ratio, (i, &models), room)?;
+            let image = |d| image(i, d);
+            let moved = displaced(ring.kept, &ring.shape, image, ratio, room);
+            let moved = moved.or_else(|| bent(image, ratio)).unwrap_or_default();
+            Some((centre - moved, covariance))
         })
         .collect()
 }
@@ -41,9 +57,11 @@ fn refit_one(
     room: &mut Workspace,
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
-    let linear = given_perspective(fitted, &(ring.shape.perspective, Matrix2::zeros()))?;
+    let given = given_perspective(fitted, &(ring.shape.perspective, Matrix2::zeros()))?;
     let Some(kept) = &ring.kept.window else {
-        return Some(linear);
+        let explained = given.off * fitted.noise.powi(2) / (fitted.pixels as f64);
+        let believed = given.is_near() || explained.sqrt() < BENT * contrast(fitted);
+        return believed.then_some(given.centre);
     };
     let window = kept.restore();
     let around = around(&window.grid, ratio, (own, models), room);
@@ -55,14 +73,16 @@ fn refit_one(
     };
     let start = RingModel {
         shape: Shape {
-            centre: linear.0,
+            centre: given.centre.0,
             affine: fitted.model.shape.affine,
             perspective: ring.shape.perspective,
         },
         ..fitted.model
     };
     let again = known.fit_with(&start, start.blur.psf, room).ok()?;
-    agrees(&again, &linear).then(|| (again.model.shape.centre, again.centre_covariance()))
+    let believed = (given.is_near() && agrees(&again, &given.centre))
+        || again.noise < fitted.noise.hypot(BENT * contrast(fitted));
+    believed.then(|| (again.model.shape.centre, again.centre_covariance()))
 }
 
 fn agrees(again: &RingFitted, linear: &CentreAndCovariance) -> bool {
@@ -71,4 +91,8 @@ fn agrees(again: &RingFitted, linear: &CentreAndCovariance) -> bool {
     variance
         .try_inverse()
         .is_some_and(|inverse| off.dot(&(inverse * off)) < FARTHEST * FARTHEST)
+}
+
+fn contrast(fitted: &RingFitted) -> f64 {
+    (fitted.model.paper - fitted.model.ring).abs()
 }

@@ -11,6 +11,10 @@ use nalgebra::{Matrix2, Point2, Vector2};
 /// Parameters of a shape, in the order of `Shape::parameters`.
 pub const SHAPE_PARAMETERS: usize = 7;
 
+/// Most of the way from a ring's centre to its plane's horizon that its outer circle may reach. A board held so close that its
+/// rings look like that shows no board; a fit that was led there lays an outline through the whole frame.
+const MOST_OF_THE_WAY: f64 = 0.6;
+
 /// Where a ring is and how it is tilted; px.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shape {
@@ -73,6 +77,15 @@ impl Shape {
         }
     }
 
+    /// The part of the way to the horizon, (q^T N^-1 q)^(1/2), that the outer circle reaches; `None` where N is no ellipse's.
+    fn way_to_the_horizon(&self) -> Option<f64> {
+        let [xx, xy, yy] = self.affine;
+        let q = self.perspective;
+        let determinant = xx * yy - xy * xy;
+        let square = (yy * q.x * q.x - 2.0 * xy * q.x * q.y + xx * q.y * q.y) / determinant;
+        (xx > 0.0 && determinant > 0.0 && square >= 0.0).then(|| square.sqrt())
+    }
+
     /// The matrix and vector of Q_a = x'^T M x' + 2 m . x' - a^2.
     pub(super) fn quadric(&self, radius: f64) -> (Matrix2<f64>, Vector2<f64>) {
         let [xx, xy, yy] = self.affine;
@@ -81,8 +94,11 @@ impl Shape {
         (matrix, q * a2)
     }
 
-    /// The image of the circle of this radius (in outer radii); `None` where it is no ellipse.
+    /// The image of the circle of this radius (in outer radii); `None` where it is no ellipse, or the plane's horizon is too near.
     pub fn ellipse(&self, radius: f64) -> Option<Ellipse> {
+        if self.way_to_the_horizon()? * radius > MOST_OF_THE_WAY {
+            return None;
+        }
         let (m, l) = self.quadric(radius);
         let conic = nalgebra::Matrix3::new(
             m[(0, 0)],
@@ -133,5 +149,20 @@ mod tests {
         assert!((back.centre - outer.centre).norm() < 1e-9);
         assert!((back.major - 20.0).abs() < 1e-9 && (back.minor - 12.0).abs() < 1e-9);
         assert!((shape.centre - outer.centre).norm() > 0.1);
+    }
+
+    #[test]
+    fn a_ring_that_reaches_for_the_horizon_is_none() {
+        let at = |way: f64| Shape {
+            centre: Point2::new(50.0, 40.0),
+            affine: [1.0 / 400.0, 0.0, 1.0 / 144.0],
+            perspective: Vector2::new(0.0, way / 12.0),
+        };
+        assert!(at(0.5).ellipse(1.0).is_some());
+        assert!(at(0.7).ellipse(1.0).is_none());
+        assert!(
+            at(0.7).ellipse(0.5).is_some(),
+            "the inner circle reaches half as far"
+        );
     }
 }

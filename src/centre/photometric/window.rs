@@ -72,6 +72,20 @@ pub struct Window {
 }
 
 impl Window {
+    /// A window of no light, all of whose pixels count.
+    pub(super) fn blank(grid: Grid) -> Self {
+        let mut weights = vec![0.0; grid.stride() * grid.height];
+        for row in weights.chunks_exact_mut(grid.stride()) {
+            row[..grid.width].fill(1.0);
+        }
+        Self {
+            grid,
+            values: vec![0.0; weights.len()],
+            weights,
+            censored: Vec::new(),
+        }
+    }
+
     /// Cuts a window out of a frame, each of its pixels the mean light of `bin` x `bin`; `None` where nothing is left.
     pub fn cut(frame: &Frame, rectangle: Rectangle, bin: usize, linear: &Linear) -> Option<Self> {
         match &frame.pixels {

@@ -3,7 +3,7 @@
 use crate::calibrate::{CalibrateOptions, Fixed, FixedError, ModelChoice, SheetOptions};
 use crate::camera::LensModel;
 use crate::centre::Estimator;
-use crate::source::read_camera_info;
+use crate::source::read_camera_file;
 use std::path::PathBuf;
 
 /// Options of the lens.
@@ -30,7 +30,7 @@ pub struct LensArguments {
     /// As camera_calibration has it: radial coefficients that are estimated
     #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=6))]
     k_coefficients: Option<u8>,
-    /// camera_info file to start from
+    /// Camera to start from: camera_info.yaml, or any other format that `ringcal convert` reads
     #[arg(long, value_name = "FILE")]
     guess: Option<PathBuf>,
     /// Estimate how the board is bent: curvature along the rows and along the columns.
@@ -61,7 +61,7 @@ impl LensArguments {
         ];
         entries.extend(flags.iter().filter(|f| f.0).map(|f| f.1.to_owned()));
         entries.extend(self.k_coefficients.map(|count| format!("radial={count}")));
-        let guess = self.guess.as_deref().map(read_camera_info).transpose()?;
+        let guess = self.guess.as_deref().map(read_camera_file).transpose()?;
         let options = CalibrateOptions {
             model: match self.model {
                 ModelChoice::Fixed(model) => model,

@@ -1,11 +1,13 @@
 //! The tables of `ringcal calibrate`.
 
-use crate::calibrate::{CalibrateError, Calibration, CrossValidation, ModelScore, Range};
+use crate::calibrate::{
+    Assessment, CalibrateError, Calibration, CrossValidation, ModelScore, Range,
+};
 
 /// The result, for stdout.
 pub fn summary(
     calibration: &Calibration,
-    validated: &Result<CrossValidation, CalibrateError>,
+    (validated, assessment): (&Result<CrossValidation, CalibrateError>, &Assessment),
     coverage: f64,
     inputs: u64,
 ) -> String {
@@ -33,6 +35,10 @@ pub fn summary(
         Err(error) => format!("          not cross-validated: {error}\n"),
     };
     text += &uncertainty(calibration);
+    text += &format!("verdict   {assessment}\n");
+    for advice in &assessment.advice {
+        text += &format!("          {advice}\n");
+    }
     text += &format!("\n{:4} {:>16} {:>14}\n", "name", "value", "std");
     let stds = calibration.stds();
     let numbers = calibration.values().into_iter().zip(stds);

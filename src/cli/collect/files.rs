@@ -4,6 +4,8 @@ use super::Collected;
 use crate::cli::progress::Progress;
 use crate::detect::Detection;
 use crate::formats::Outcome;
+use crate::frame::Thumbnail;
+use crate::report::{MISSED_PICTURES, Picture, Pictures};
 use crate::session::{Session, View};
 use crate::source::Origin;
 
@@ -12,23 +14,36 @@ use crate::source::Origin;
 pub(super) struct Files {
     all: Vec<(String, Result<Detection, String>)>,
     boards: u64,
+    pictures: Pictures,
+    missed_pictures: usize,
 }
 
 impl Files {
-    /// Takes in one file.
+    /// Takes in one file: what was found, and the file reduced.
     pub(super) fn add(
         &mut self,
         origin: &Origin,
-        found: Result<Detection, String>,
+        (found, small): (Result<Detection, String>, Option<Thumbnail>),
         progress: &Progress,
     ) {
         let source = origin.to_string();
+        let shown = found.is_ok() || self.missed_pictures < MISSED_PICTURES;
+        let picture = small.filter(|_| shown).and_then(|s| Picture::of(&s));
+        if let Some(picture) = picture {
+            self.missed_pictures += usize::from(found.is_err());
+            self.pictures.insert(source.clone(), picture);
+        }
         if let Ok(detection) = &found {
             self.boards += 1;
             let (rings, blur) = (detection.rings.len(), detection.blur_sigma_px());
             progress.remark(&format!("{source}: {rings} rings, blur {blur:.1} px"));
         }
         self.all.push((source, found));
+    }
+
+    /// The pictures, which are then no longer here.
+    pub(super) fn take_pictures(&mut self) -> Pictures {
+        std::mem::take(&mut self.pictures)
     }
 
     /// How many there are.

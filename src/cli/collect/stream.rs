@@ -3,6 +3,7 @@
 use super::{Rules, Seen};
 use crate::board::Board;
 use crate::cli::progress::Progress;
+use crate::report::{Picture, Pictures};
 use crate::session::{Session, Verdict, View};
 use crate::source::Origin;
 use std::collections::BTreeMap;
@@ -20,6 +21,10 @@ pub(super) struct Stream {
     repeats: u64,
     /// Why frames with a board were not kept, and how many.
     not_kept: BTreeMap<&'static str, u64>,
+    /// Why the first frame without the board has none.
+    first_miss: Option<String>,
+    /// Of the views that are kept.
+    pictures: Pictures,
 }
 
 impl Stream {
@@ -34,19 +39,35 @@ impl Stream {
             unreadable: 0,
             repeats: 0,
             not_kept: BTreeMap::new(),
+            first_miss: None,
+            pictures: Pictures::new(),
         }
     }
 
     /// Takes in a frame that was looked at.
-    pub(super) fn add(&mut self, origin: &Origin, seen: &Seen, progress: &Progress) {
+    pub(super) fn add(&mut self, origin: &Origin, seen: Seen, progress: &Progress) {
         self.next_frame(origin);
         let found = seen.found.as_ref();
-        let Ok(offer) = self.session.observe(&seen.frame_id, seen.stamp, found) else {
-            return;
+        let offer = match self.session.observe(&seen.frame_id, seen.stamp, found) {
+            Ok(offer) => offer,
+            Err(miss) => {
+                self.first_miss.get_or_insert_with(|| miss.clone());
+                return;
+            }
         };
         self.boards += 1;
         if offer.restart.is_some() {
             progress.warn(&format!("{origin}: {offer}"));
+            self.pictures.clear();
+        }
+        if let Verdict::Replaced { replaced, .. } = &offer.verdict {
+            self.pictures.remove(replaced);
+        }
+        if offer.kept() {
+            let picture = seen.small.and_then(|small| Picture::of(&small));
+            if let (Some(view), Some(picture)) = (self.session.views().last(), picture) {
+                self.pictures.insert(view.source.clone(), picture);
+            }
         }
         if let Some(why) = not_kept(&offer.verdict) {
             *self.not_kept.entry(why).or_default() += 1;
@@ -93,6 +114,12 @@ impl Stream {
         self.session.views()
     }
 
+    /// How uncertain the views leave the camera where it is least certain, px at infinity, once they tell it.
+    pub(super) fn uncertain_px(&self) -> Option<f64> {
+        let (_, std_px) = self.session.estimate()?.least_certain()?;
+        Some(std_px)
+    }
+
     /// Says what became of the frames.
     pub(super) fn tell(&self, progress: &Progress) {
         if self.frames == 0 {
@@ -102,16 +129,35 @@ impl Stream {
         progress.remark(&format!(
             "{frames} frames of bags, {boards} with the board, {views} kept as views"
         ));
+        for (count, why) in self.passed_over() {
+            progress.remark(&format!("  {count} {why}"));
+        }
+    }
+
+    /// Frames that became no views: how many, and why.
+    pub(super) fn passed_over(&self) -> Vec<(u64, String)> {
+        let looked_at = self.frames - self.repeats - self.unreadable;
+        let first_miss = self.first_miss.as_deref().unwrap_or_default();
+        let without = format!("without the board; the first of them: {first_miss}");
         let counted = [
-            ("not looked at: as the frames before", self.repeats),
-            ("without a picture", self.unreadable),
+            (
+                self.repeats,
+                "not looked at: as the frames before".to_owned(),
+            ),
+            (self.unreadable, "without a picture".to_owned()),
+            (looked_at - self.boards, without),
         ];
-        for (what, count) in counted.into_iter().filter(|(_, count)| *count > 0) {
-            progress.remark(&format!("  {count} {what}"));
-        }
-        for (why, count) in &self.not_kept {
-            progress.remark(&format!("  {count} not kept: {why}"));
-        }
+        let not_kept = self.not_kept.iter();
+        counted
+            .into_iter()
+            .chain(not_kept.map(|(why, count)| (*count, format!("not kept: {why}"))))
+            .filter(|(count, _)| *count > 0)
+            .collect()
+    }
+
+    /// The pictures of the views kept, which are then no longer here.
+    pub(super) fn take_pictures(&mut self) -> Pictures {
+        std::mem::take(&mut self.pictures)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::camera::{Camera, Distortion, Intrinsics, LensModel};
 use crate::simulate::{Defocus, Psf, ThinLens};
+use crate::source::read_camera_file;
 use std::path::PathBuf;
 
 /// Arguments of `ringcal simulate`.
@@ -20,6 +21,9 @@ pub struct Arguments {
     /// Frames of each pose, with different noise
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=100))]
     pub frames_per_view: u16,
+    /// Simulate this camera: camera_info.yaml, or any other format that `ringcal convert` reads
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["width", "height", "focal_px", "fx", "fy", "cx", "cy", "model", "distortion"])]
+    camera_info: Option<PathBuf>,
     /// Width of the frames, px
     #[arg(long, default_value_t = 1280, value_parser = clap::value_parser!(u32).range(16..=16384))]
     pub width: u32,
@@ -96,8 +100,26 @@ impl Arguments {
     /// The camera asked for.
     ///
     /// # Errors
-    /// Another number of coefficients than the lens model has.
-    pub fn camera(&self) -> Result<Camera, clap::Error> {
+    /// Another number of coefficients than the lens model has, or a file without a camera.
+    pub fn camera(&self) -> anyhow::Result<Camera> {
+        match &self.camera_info {
+            Some(path) => {
+                let camera = read_camera_file(path)?.camera;
+                let (width, height) = (camera.width, camera.height);
+                anyhow::ensure!(
+                    [width, height]
+                        .iter()
+                        .all(|side| (16..=16384).contains(side)),
+                    "{}: frames of {width} x {height} px are not simulated, 16 to 16384 px a side are",
+                    path.display()
+                );
+                Ok(camera)
+            }
+            None => Ok(self.camera_of_numbers()?),
+        }
+    }
+
+    fn camera_of_numbers(&self) -> Result<Camera, clap::Error> {
         let focal_px = self.focal_px.unwrap_or(f64::from(self.width));
         let needed = self.model.coefficient_count();
         let zeros = vec![0.0; needed];

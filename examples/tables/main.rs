@@ -7,6 +7,7 @@
 //! of a thin lens, a disc; with `--blur even` the same in the whole frame. The frames go through the detector, once with each method; the centres through the
 //! calibration with k1 and k2 free. The tables are written anew after every seed: a long run may be stopped.
 
+mod bound;
 mod outcome;
 mod paper;
 mod poses;

@@ -1,8 +1,9 @@
 //! One calibration beside the truth: its parameters, and its centres.
 
+use crate::bound;
 use crate::paper::truth;
 use crate::shots::Shot;
-use anyhow::Result;
+use anyhow::{Context, Result};
 use nalgebra::{DVector, Matrix2, Vector2};
 use ringcal::board::Board;
 use ringcal::calibrate::{CalibrateOptions, Calibration, Fixed, ViewFit};
@@ -10,7 +11,6 @@ use ringcal::centre::Estimator;
 use ringcal::detect::Ring;
 use ringcal::refine::calibrate_refined;
 use ringcal::session::View;
-use ringcal::simulate::Truth;
 
 /// A way to calibrate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -64,6 +64,8 @@ pub const PARAMETERS: usize = 6;
 pub struct Outcome {
     pub values: [f64; PARAMETERS],
     pub stds: [f64; PARAMETERS],
+    /// The least that the true model allows.
+    pub bounds: [f64; PARAMETERS],
     /// Squared error of all parameters at once, in their covariance; an honest one makes it [`PARAMETERS`] in the mean.
     pub joint: f64,
     pub rms_px: f64,
@@ -88,6 +90,8 @@ pub struct Centres {
     pub score_squares: f64,
     /// Those that are off by more than 2.5 of them.
     pub beyond: usize,
+    /// Sum of the rings' variances over what the true model allows.
+    pub over_bound: f64,
 }
 
 impl Outcome {
@@ -95,8 +99,8 @@ impl Outcome {
     pub fn of(method: Method, board: &Board, shots: &[Shot]) -> Result<Self> {
         let found = shots
             .iter()
-            .filter_map(|shot| Some((method.view(shot)?, &shot.truth)));
-        let (views, truths): (Vec<View>, Vec<&Truth>) = found.unzip();
+            .filter_map(|shot| Some((method.view(shot)?, shot)));
+        let (views, shots): (Vec<View>, Vec<&Shot>) = found.unzip();
         let options = CalibrateOptions {
             fixed: Fixed::from_entries(["p1", "p2", "k3"])?,
             estimator: method.measured_by(),
@@ -104,10 +108,10 @@ impl Outcome {
         };
         let (calibration, views) = calibrate_refined(board, &views, &options)?;
         let (mut centres, mut inside) = (Centres::default(), Centres::default());
-        for ((view, fit), truth) in views.iter().zip(&calibration.views).zip(truths) {
+        for ((view, fit), shot) in views.iter().zip(&calibration.views).zip(&shots) {
             let errors = CentreErrors {
                 board,
-                truth,
+                shot,
                 fit,
                 calibration: &calibration,
             };
@@ -119,7 +123,10 @@ impl Outcome {
             }
         }
         let values = calibration.values();
+        let known = shots.iter().map(|shot| (&shot.truth, &shot.bounds[..]));
+        let known: Vec<_> = known.collect();
         Ok(Self {
+            bounds: bound::camera(board, &known).context("the views do not tell the camera")?,
             values: std::array::from_fn(|i| values[i]),
             stds: std::array::from_fn(|i| calibration.std(i)),
             joint: joint(&calibration),
@@ -158,18 +165,18 @@ fn joint(calibration: &Calibration) -> f64 {
 /// What a view's centres are compared with.
 struct CentreErrors<'a> {
     board: &'a Board,
-    truth: &'a Truth,
+    shot: &'a Shot,
     fit: &'a ViewFit,
     calibration: &'a Calibration,
 }
 
 impl CentreErrors<'_> {
-    /// Measured less true projected centre. A square board may be seen turned: its labels are then others, the rings the same.
-    fn error(&self, ring: &Ring) -> Option<Vector2<f64>> {
-        let known = self.truth.rings.iter();
+    /// Measured less true projected centre, and the bound. A square board may be seen turned: its labels are then others, the rings the same.
+    fn error(&self, ring: &Ring) -> Option<(Vector2<f64>, Matrix2<f64>)> {
+        let known = self.shot.truth.rings.iter().zip(&self.shot.bounds);
         known
-            .map(|known| ring.centre.point - known.centre)
-            .min_by(|a, b| a.norm().total_cmp(&b.norm()))
+            .map(|(known, bound)| (ring.centre.point - known.centre, *bound))
+            .min_by(|a, b| a.0.norm().total_cmp(&b.0.norm()))
     }
 
     /// What the estimator measures less the projected centre, as the calibration predicts it: measured less residual is
@@ -192,7 +199,7 @@ fn is_inside(board: &Board, ring: &Ring) -> bool {
 impl Centres {
     /// Adds one ring, the view's `at`th.
     fn add(&mut self, errors: &CentreErrors, ring: &Ring, at: usize) {
-        let Some(error) = errors.error(ring) else {
+        let Some((error, bound)) = errors.error(ring) else {
             return;
         };
         let rest = error - errors.displacement(ring, at).unwrap_or_default();
@@ -203,6 +210,7 @@ impl Centres {
         self.squares_predicted += rest.norm_squared();
         if let Some(covariance) = ring.centre.covariance {
             self.add_scores(rest, &covariance);
+            self.over_bound += covariance.trace() / bound.trace();
         }
     }
 

@@ -1,9 +1,11 @@
 //! The frames of one board: rendered, detected and dropped; what stays is where the rings were found and where they are.
 
 use crate::Settings;
+use crate::bound;
 use crate::paper::{FOCUS_M, PIXEL_MM, Target, truth};
 use crate::poses::poses;
 use anyhow::Result;
+use nalgebra::Matrix2;
 use rayon::prelude::*;
 use ringcal::board::Board;
 use ringcal::camera::Pose;
@@ -18,6 +20,8 @@ const NOISE: f64 = 0.005;
 /// What was found in one frame, and the truth about it.
 pub struct Shot {
     pub truth: Truth,
+    /// How well each ring's centre could be known, px^2.
+    pub bounds: Vec<Matrix2<f64>>,
     /// By the default estimator.
     pub photometric: Option<View>,
     /// By the paper's construction.
@@ -98,6 +102,7 @@ fn shoot(
     Ok(Shot {
         photometric: view(Estimator::Photometric),
         cross: view(Estimator::Cross),
+        bounds: bound::centres(&scene, &rendering.frame, &rendering.truth)?,
         truth: rendering.truth,
     })
 }

@@ -42,16 +42,16 @@ pub fn text(summaries: &[Summary], settings: &Settings) -> String {
     }
     out.push_str(
         "\n### Errors of the centres\n\n\
-         | board, distance | disc radius, px | method | boards | rings (left out) | rmse, px | less the displacement predicted, px | mean square z | beyond 2.5, % | inside the border |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+         | board, distance | disc radius, px | method | boards | rings (left out) | rmse, px | less the displacement predicted, px | mean square z | beyond 2.5, % | inside the border | std over bound |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for summary in summaries {
         centres(&mut out, summary, settings);
     }
     out.push_str(
         "\n### Errors of the camera over the seeds\n\n\
-         | board, distance | method | seeds | f, relative rms | principal point, px rms | k1 rms | k2 rms | mean square z | beyond 2.5 | joint |\n\
-         |---|---|---|---|---|---|---|---|---|---|\n",
+         | board, distance | method | seeds | f, relative rms | principal point, px rms | k1 rms | k2 rms | mean square z | beyond 2.5 | joint | std over bound |\n\
+         |---|---|---|---|---|---|---|---|---|---|---|\n",
     );
     for summary in summaries {
         cameras(&mut out, summary);
@@ -117,17 +117,20 @@ fn centres(out: &mut String, summary: &Summary, settings: &Settings) {
         let rest = root_mean(all.clone().map(|c| c.squares_predicted).sum(), rings);
         let scores: usize = all.clone().map(|c| c.scores).sum();
         let squares: f64 = all.clone().map(|c| c.score_squares).sum();
-        let beyond: usize = all.map(|c| c.beyond).sum();
+        let beyond: usize = all.clone().map(|c| c.beyond).sum();
+        let over: f64 = all.map(|c| c.over_bound).sum();
         let inside = summary.of(method).map(|outcome| outcome.inside);
         let inside_scores: usize = inside.clone().map(|c| c.scores).sum();
         let inside_squares: f64 = inside.map(|c| c.score_squares).sum();
         let z = match scores {
-            0 => "- | - | -".to_owned(),
+            0 => "- | - | - | -".to_owned(),
             n => format!(
-                "{:.2} | {:.1} | {:.2}",
+                "{:.2} | {:.1} | {:.2} | {:.2}",
                 squares / n as f64,
                 100.0 * beyond as f64 / n as f64,
-                inside_squares / inside_scores as f64
+                inside_squares / inside_scores as f64,
+                // two coordinates a ring
+                root_mean(2.0 * over, n)
             ),
         };
         let boards: usize = summary.of(method).map(|outcome| outcome.views).sum();
@@ -161,9 +164,14 @@ fn cameras(out: &mut String, summary: &Summary) {
         let squares: f64 = z.iter().map(|z| z * z).sum();
         let beyond = z.iter().filter(|z| z.abs() > 2.5).count();
         let joint: f64 = summary.of(method).map(|o| o.joint).sum();
+        // of the parameter that is furthest from it
+        let over: Vec<f64> = (0..PARAMETERS)
+            .map(|i| mean_square(&|o| (o.stds[i] / o.bounds[i]).powi(2)))
+            .collect();
+        let over = over.into_iter().fold(0.0, f64::max);
         let _ = writeln!(
             out,
-            "| {} | {} | {seeds} | {focal:.1e} | {principal:.2} | {:.5} | {:.4} | {:.2} | {beyond} of {} | {:.2} |",
+            "| {} | {} | {seeds} | {focal:.1e} | {principal:.2} | {:.5} | {:.4} | {:.2} | {beyond} of {} | {:.2} | {over:.2} |",
             place(summary.target),
             method.name(),
             k[0],

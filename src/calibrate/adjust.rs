@@ -23,6 +23,8 @@ const CLOSE: f64 = 1e-4;
 const NO_RESIDUAL: f64 = 1e-11;
 /// Damping at first, relative to the scaled diagonal.
 const FIRST_DAMPING: f64 = 1e-3;
+/// The same where it starts next to a solution: then the first step goes all the way.
+const NEAR_DAMPING: f64 = 1e-9;
 /// Damping beyond which a step moves nothing.
 const MAX_DAMPING: f64 = 1e12;
 
@@ -50,6 +52,8 @@ pub(super) enum Goal {
     Coarse,
     /// To rounding.
     Exact,
+    /// To rounding, from where another one ended and little has changed since.
+    ExactFromNear,
 }
 
 /// Lowers the cost over the free numbers and all poses; `None` where a ring has no image at the start.
@@ -67,11 +71,11 @@ pub(super) fn adjust(
     };
     let residuals = 2 * rings.iter().map(Vec::len).sum::<usize>();
     let nothing = residuals as f64 * NO_RESIDUAL * NO_RESIDUAL;
-    let enough = match goal {
-        Goal::Coarse => COARSE_DECREASE,
-        Goal::Exact => RELATIVE_DECREASE,
+    let (enough, mut damping) = match goal {
+        Goal::Coarse => (COARSE_DECREASE, FIRST_DAMPING),
+        Goal::Exact => (RELATIVE_DECREASE, FIRST_DAMPING),
+        Goal::ExactFromNear => (RELATIVE_DECREASE, NEAR_DAMPING),
     };
-    let mut damping = FIRST_DAMPING;
     while now.iterations < MAX_ITERATIONS {
         now.iterations += 1;
         let cost = now.equations.cost();

@@ -159,7 +159,11 @@ fn exact(
             break;
         }
         let rings = roll.active_rings();
-        let adjusted = adjust(roll.solution(*shared), &rings, free, Goal::Exact)
+        let goal = match &last {
+            None => Goal::Exact,
+            Some(_) => Goal::ExactFromNear,
+        };
+        let adjusted = adjust(roll.solution(*shared), &rings, free, goal)
             .ok_or(CalibrateError::NotConverged { iterations: 0 })?;
         *shared = adjusted.solution.shared;
         roll.stand(&adjusted.solution.poses);

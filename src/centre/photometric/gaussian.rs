@@ -1,8 +1,9 @@
 //! Stamps of a Gaussian blur, integrated over the pixels: separable, so a stamp is a column times a row.
 
 use super::boundary::Node;
-use super::coverage::{Kernel, LANES, Lanes, Stamp, touched};
+use super::coverage::{LANES, Lanes};
 use super::normal::density_and_cumulative;
+use super::stamps::{Kernel, Stamp, touched};
 use super::window::Grid;
 
 /// The kernel is zero beyond this many standard deviations: 1e-5 of it is cut off.

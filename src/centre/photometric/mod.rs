@@ -8,7 +8,7 @@
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
-//!                      `trust`, and the perspective they share (`law`, `lens_map`)
+//!                      `trust`, blur that is `uneven`, and the perspective they share (`law`, `lens_map`)
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
 //!
@@ -48,6 +48,7 @@ mod shape;
 mod sharp;
 mod sheet;
 mod sheet_start;
+mod stamps;
 mod start;
 mod straight;
 mod trust;

@@ -16,7 +16,8 @@
 //! S has gradients on its outlines only: with a = (x - p) / s the second term is an integral along them of the kernel times
 //! g . (x - c) n . (x - p) / s, n the outward normal, times the step of light from inside to outside. That is how outlines are laid
 //! for the derivatives by the shape (`coverage`): three such pictures, and p, make it. It is subtracted from the
-//! pixels, and the rings are fitted again. What is left is of the second order in g s over the radius: 1e-4 px.
+//! pixels, and the rings are fitted again. What is left is of the second order: a fiftieth of it or less, where it
+//! was measured (`tests/uneven`).
 
 use super::around::{around, reaches};
 use super::board::BoardStart;

@@ -116,6 +116,8 @@ fn observation(
 /// How much less certain than the others a ring is that has no covariance among rings that have: its grey values could not be fitted, and
 /// its centre is that of edges.
 const EDGES_VARIANCE: f64 = 100.0;
+/// And at least so uncertain, px^2: what blur and bends do to edges is there without noise.
+const LEAST_EDGES_VARIANCE: f64 = 0.0025;
 
 /// The variance of a coordinate for rings without a covariance, px^2: much more than the median of those that have one; 1 where
 /// none has.
@@ -128,7 +130,7 @@ fn typical_variance(views: &[View]) -> f64 {
         .filter(|variance| variance.is_finite() && *variance > 0.0)
         .collect();
     variances.sort_by(f64::total_cmp);
-    variances
-        .get(variances.len() / 2)
-        .map_or(1.0, |median| EDGES_VARIANCE * median)
+    variances.get(variances.len() / 2).map_or(1.0, |median| {
+        (EDGES_VARIANCE * median).max(LEAST_EDGES_VARIANCE)
+    })
 }

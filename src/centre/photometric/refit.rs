@@ -3,12 +3,12 @@
 use super::around::around;
 use super::bent::bent;
 use super::fit::{Given, Known, RingFitted};
-use super::kept::KeptRing;
+use super::kept::{KeptRing, KeptWindow};
 use super::law::{CentreAndCovariance, given_perspective};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::Shape;
-use super::straight::displaced;
+use super::straight::found_of_bent;
 use nalgebra::{Matrix2, Point2, Vector2};
 use rayon::prelude::*;
 
@@ -41,28 +41,50 @@ pub fn refit(
         .par_iter()
         .enumerate()
         .map_init(Workspace::default, |room, (i, ring)| {
-            let (centre, covariance) = refit_one(ring, ratio, (i, &models), room)?;
             let image = |d| image(i, d);
-            let moved = displaced(ring.kept, &ring.shape, image, ratio, room);
-            let moved = moved.or_else(|| bent(image, ratio)).unwrap_or_default();
-            Some((centre - moved, covariance))
+            match &ring.kept.window {
+                Some(window) => {
+                    let (centre, covariance) = by_pixels(ring, window, ratio, (i, &models), room)?;
+                    let given = (ratio, Given::Shape);
+                    let found = found_of_bent(ring.kept, &ring.shape, image, given, room);
+                    let moved = found.map(|found| found.centre - ring.shape.centre);
+                    let moved = moved.or_else(|| bent(image, ratio)).unwrap_or_default();
+                    Some((centre - moved, covariance))
+                }
+                None => by_fit(ring, ratio, image, room),
+            }
         })
         .collect()
 }
 
-fn refit_one(
+/// Without pixels: what the fit has found, less what it finds of such a ring. The free perspective takes up most of a lens's bends, so that it is
+/// held against the one that is found of the bent ring and not against the ring's own.
+fn by_fit(
     ring: &KnownRing,
+    ratio: f64,
+    image: impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
+    room: &mut Workspace,
+) -> Option<CentreAndCovariance> {
+    let fitted = &ring.kept.fitted;
+    let free = (ratio, Given::NearStart);
+    let found = found_of_bent(ring.kept, &ring.shape, image, free, room)?;
+    let given = given_perspective(fitted, &(found.perspective, Matrix2::zeros()))?;
+    let unexplained = given.off * fitted.noise.powi(2) / (fitted.pixels as f64);
+    let believed = given.is_near() || unexplained.sqrt() < BENT * contrast(fitted);
+    let (centre, covariance) = given.centre;
+    believed.then(|| (centre - (found.centre - ring.shape.centre), covariance))
+}
+
+/// Fitted again to its pixels.
+fn by_pixels(
+    ring: &KnownRing,
+    kept: &KeptWindow,
     ratio: f64,
     (own, models): (usize, &[RingModel]),
     room: &mut Workspace,
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
     let given = given_perspective(fitted, &(ring.shape.perspective, Matrix2::zeros()))?;
-    let Some(kept) = &ring.kept.window else {
-        let explained = given.off * fitted.noise.powi(2) / (fitted.pixels as f64);
-        let believed = given.is_near() || explained.sqrt() < BENT * contrast(fitted);
-        return believed.then_some(given.centre);
-    };
     let window = kept.restore();
     let around = around(&window.grid, ratio, (own, models), room);
     let known = Known {

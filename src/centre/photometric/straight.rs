@@ -27,15 +27,15 @@ const NODES: (f64, f64) = (24.0, 4000.0);
 /// Half the turn (rad) over which the direction of a curve is taken.
 const TURN: f64 = 1e-4;
 
-/// How far the bends move the centre of this ring's fit, px; `image` is the map from outer radii about its centre to the frame, `shape` what the
-/// fit is given of it. `None` where it has no image.
-pub(super) fn displaced(
+/// The shape that a fit finds of a bent ring: `image` is the map from outer radii about its centre to the frame, `shape` the ring without its
+/// bends. `None` where it has no image.
+pub(super) fn found_of_bent(
     kept: &KeptRing,
     shape: &Shape,
     image: impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
-    ratio: f64,
+    (ratio, given): (f64, Given),
     room: &mut Workspace,
-) -> Option<Vector2<f64>> {
+) -> Option<Shape> {
     let fitted = &kept.fitted.model;
     let mut window = match &kept.window {
         Some(window) => window.restore(),
@@ -65,10 +65,13 @@ pub(super) fn displaced(
         }
     }
     window.values = picture;
-    let again = known(&window, ratio)
-        .fit_with(&model, model.blur.psf, room)
-        .ok()?;
-    Some(again.model.shape.centre - shape.centre)
+    let again = Known {
+        given,
+        ..known(&window, ratio)
+    }
+    .fit_with(&model, model.blur.psf, room)
+    .ok()?;
+    Some(again.model.shape)
 }
 
 /// The picture as a fit of known shape sees it.

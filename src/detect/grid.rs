@@ -33,6 +33,8 @@ pub(super) struct Grid {
     pub(super) indices: Indices,
     /// Rings of another board in the same frame.
     pub(super) another: Option<usize>,
+    /// Whether a row or column of rings stands beside those that were taken for the board's.
+    pub(super) goes_on: bool,
 }
 
 /// Finds the board among the rings of a frame: of several the one that looks largest.
@@ -67,11 +69,13 @@ pub(super) fn find_grid(
         Care::of(options.estimator),
     );
     measured.complete();
+    let goes_on = measured.goes_on();
     let (rings, indices) = measured.verdict(options.required)?;
     Ok(Grid {
         rings,
         indices,
         another,
+        goes_on,
     })
 }
 
@@ -159,7 +163,7 @@ impl<'a> Measured<'a> {
         }
     }
 
-    fn numbering(&self) -> Option<Numbering> {
+    pub(super) fn numbering(&self) -> Option<Numbering> {
         let labels: Vec<Label> = self.rings.keys().copied().collect();
         choose(
             &labels,
@@ -200,7 +204,7 @@ impl<'a> Measured<'a> {
     }
 
     /// Measures a ring where the homography says it is.
-    fn look_at(&self, label: Label) -> Option<RingFit> {
+    pub(super) fn look_at(&self, label: Label) -> Option<RingFit> {
         let rough = self.predicted_ellipses(label)?;
         let ratio = self.board.radius_ratio();
         let ring = measure(self.frame, &rough, self.sign, ratio, self.care)

@@ -6,6 +6,8 @@ use super::orientation::Numbering;
 
 /// A lattice as full as this shows its true extent.
 const FULL: f64 = 0.8;
+/// A line beside the lattice is there where so many of its rings show.
+const GOES_ON: f64 = 0.5;
 /// One of so many times the board's rings is a wall of them.
 const MANY: f64 = 1.5;
 
@@ -28,6 +30,29 @@ impl Measured<'_> {
                 && (larger
                     || (smaller && !self.is_cut_off(numbering, (left, right), (top, bottom))));
         odd.then_some(seen)
+    }
+
+    /// Whether a row or column of rings stands one step beyond a lattice of the board's size.
+    pub(super) fn goes_on(&self) -> bool {
+        let Some(numbering) = self.numbering() else {
+            return false;
+        };
+        let last = (
+            i32::from(self.board.columns()) - 1,
+            i32::from(self.board.rows()) - 1,
+        );
+        let shows = |line: Vec<Label>| {
+            let rings = line.iter().filter(|&&place| {
+                let label = numbering.label(place);
+                self.rings.contains_key(&label) || self.look_at(label).is_some()
+            });
+            rings.count() as f64 >= GOES_ON * line.len() as f64
+        };
+        let row = |row: i32| (0..=last.0).map(|column| (column, row)).collect();
+        let column = |column: i32| (0..=last.1).map(|row| (column, row)).collect();
+        [row(-1), row(last.1 + 1), column(-1), column(last.0 + 1)]
+            .into_iter()
+            .any(shows)
     }
 
     /// Whether a place one step beyond the lattice lies outside the frame (or so near its border that a ring there is

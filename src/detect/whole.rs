@@ -40,7 +40,8 @@ pub(super) fn find_whole(
         }
         tried = members.len();
         let grid = measured(scales, board, options, &spots, &members);
-        if grid.as_ref().is_some_and(|grid| grid.rings.len() >= wanted) {
+        let whole = |grid: &Grid| grid.rings.len() >= wanted && !grid.goes_on;
+        if grid.as_ref().is_some_and(whole) {
             return grid;
         }
     }

@@ -49,6 +49,9 @@ pub struct Rectangle {
     pub height: usize,
 }
 
+/// Part of a window at either end of the range from which on it is no photograph's light.
+const BOTH_ENDS: f64 = 0.1;
+
 /// Which end of the sensor's range a pixel stands at: its light is at least, or at most, what it says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
@@ -162,12 +165,27 @@ impl Window {
                 }
             }
         }
-        (grid.width > 0 && grid.height > 0).then_some(Self {
+        let mut window = Self {
             grid,
             values,
             weights,
             censored,
-        })
+        };
+        if window.is_of_two_greys() {
+            for (at, _) in window.censored.drain(..) {
+                window.weights[at] = 1.0;
+            }
+        }
+        (grid.width > 0 && grid.height > 0).then_some(window)
+    }
+
+    /// Whether much stands at both ends of the range: a drawing or a picture that somebody has thresholded, whose black and white mean what they
+    /// say. Taken for clipped, no pixel of it would tell how bright the paper is.
+    fn is_of_two_greys(&self) -> bool {
+        let top = self.censored.iter().filter(|(_, end)| *end == End::Top);
+        let (top, all) = (top.count(), self.censored.len());
+        let least = BOTH_ENDS * (self.grid.width * self.grid.height) as f64;
+        top.min(all - top) as f64 >= least
     }
 
     /// Leaves out the pixels of which `counts` (place in frame px) says no.

@@ -19,8 +19,17 @@ const STEPS: usize = 3;
 /// inner over its outer radius; `None` where the map has no image of the ring.
 pub fn bent(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>, ratio: f64) -> Option<Vector2<f64>> {
     let start = shape_under(&map)?;
-    let mut shape = start;
-    let curves = [curve(&map, 1.0)?, curve(&map, ratio)?];
+    Some(laid(&map, &start, ratio)?.centre - start.centre)
+}
+
+/// The shape, of the perspective of `start`, whose curves lie along the bent ones.
+pub(super) fn laid(
+    map: &impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
+    start: &Shape,
+    ratio: f64,
+) -> Option<Shape> {
+    let mut shape = *start;
+    let curves = [curve(map, 1.0)?, curve(map, ratio)?];
     for _ in 0..STEPS {
         let mut normal = SMatrix::<f64, 5, 5>::zeros();
         let mut right = SVector::<f64, 5>::zeros();
@@ -36,7 +45,7 @@ pub fn bent(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>, ratio: f64) -> Op
         }
         shape = moved(&shape, &solve(&normal, &right)?);
     }
-    Some(shape.centre - start.centre)
+    Some(shape)
 }
 
 fn curve(

@@ -5,7 +5,7 @@
 //! step of light times d times the blur, all along it. That is added to the picture of the model, the model fitted to it, and where
 //! it ends is what the bends have moved it by. (`bent` says the same for curves alone: without a blur that mixes the two.)
 
-use super::bent::implicit;
+use super::bent::{implicit, laid};
 use super::blur::{Blur, Psf};
 use super::boundary::Node;
 use super::fit::{Given, Known};
@@ -42,6 +42,11 @@ pub(super) fn found_of_bent(
         None => Window::blank(grid_about(shape, &fitted.blur)?),
     };
     let grid = window.grid;
+    // as large as a fit makes it: what is left beside its curves has no part that a window's pixels could take for a move
+    let shape = &Shape {
+        centre: shape.centre,
+        ..laid(&image, shape, ratio)?
+    };
     let model = RingModel {
         shape: *shape,
         blur: soft(&fitted.blur, &grid),

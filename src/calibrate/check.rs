@@ -4,7 +4,7 @@
 //! where it is not. The pose takes up a part of any error, so that views should fill the frame and differ in distance.
 
 use super::resect::{Known, Resection, resect};
-use super::{CalibrateError, SheetShape};
+use super::{CalibrateError, LeftOut, SheetShape};
 use crate::board::Board;
 use crate::camera::Camera;
 use crate::centre::Estimator;
@@ -61,6 +61,8 @@ pub enum Verdict {
         /// The largest bias that is no accident, px.
         worst_px: f64,
     },
+    /// The camera sees no view as it is, wherever the board is placed.
+    ExplainsNone,
     /// Too little of the frame was seen.
     NotEnough {
         /// Part of the cells with enough rings, %.
@@ -84,6 +86,9 @@ impl fmt::Display for Verdict {
                 f,
                 "the calibration does not fit these views, it is off by {worst_px:.2} px where it is worst: calibrate anew"
             ),
+            Self::ExplainsNone => f.write_str(
+                "the calibration does not fit these views: no position of the board explains any of them; calibrate anew",
+            ),
             Self::NotEnough { percent } => write!(
                 f,
                 "no verdict: the rings of these views reach only {percent:.0} % of the frame; show the board all over it"
@@ -97,8 +102,8 @@ impl fmt::Display for Verdict {
 pub struct Check {
     /// Every view, in the order given.
     pub views: Vec<Resection>,
-    /// Root mean square distance between measured and predicted centres, px, over the views that have a pose.
-    pub rms_px: f64,
+    /// Root mean square distance between measured and predicted centres, px, over the views that have a pose; `None` where none has.
+    pub rms_px: Option<f64>,
     /// The cells of the frame, by rows.
     pub field: Vec<Cell>,
     /// What to make of it.
@@ -130,13 +135,30 @@ pub fn check(
     };
     let resections = resect(board, views, &known)?;
     let field = field(camera, views, &resections);
-    let residuals = resections.iter().flat_map(|r| &r.fit.residuals).flatten();
     Ok(Check {
-        rms_px: super::calibration::rms(residuals.copied()),
-        verdict: verdict(&field),
+        rms_px: rms(&resections),
+        verdict: if explains_none(&resections) {
+            Verdict::ExplainsNone
+        } else {
+            verdict(&field)
+        },
         views: resections,
         field,
     })
+}
+
+/// Whether no view has a pose, and the camera is to blame for one of them at least.
+fn explains_none(resections: &[Resection]) -> bool {
+    let mut reasons = resections.iter().map(|r| &r.fit.left_out);
+    resections.iter().all(|r| !r.fit.used()) && reasons.any(|r| *r == Some(LeftOut::NoPose))
+}
+
+fn rms(resections: &[Resection]) -> Option<f64> {
+    let used = || resections.iter().filter(|r| r.fit.used());
+    let residuals = used().flat_map(|r| &r.fit.residuals).flatten();
+    used()
+        .next()
+        .map(|_| super::calibration::rms(residuals.copied()))
 }
 
 fn field(camera: &Camera, views: &[View], resections: &[Resection]) -> Vec<Cell> {
@@ -235,6 +257,24 @@ mod tests {
             *camera = camera.with_parameters(&values);
         });
         assert!(matches!(fails, Verdict::Fails { .. }), "{fails}");
+    }
+
+    #[test]
+    fn a_camera_that_explains_no_view_fails() {
+        let camera = ordinary();
+        let mut believed = camera;
+        let mut values = camera.parameters();
+        values[4..].fill(0.0);
+        values[4] = -5.0;
+        believed = believed.with_parameters(&values);
+        let views = all_over(&camera, 0.03);
+        let checked = check(&board(), &views, &believed, Estimator::Photometric).unwrap();
+        assert_eq!(checked.verdict, Verdict::ExplainsNone, "{checked:?}");
+        assert_eq!(checked.rms_px, None);
+        let said = checked.verdict.to_string();
+        assert!(said.contains("no position of the board explains any"), "{said}");
+        let json = crate::formats::CheckJson::new(Some((&views, &checked)), None);
+        assert_eq!((json.verdict, json.rms_px), (Some("fails"), None));
     }
 
     #[test]

@@ -132,7 +132,10 @@ fn check_inputs(
 }
 
 fn table(views: &[View], check: &Check) -> String {
-    let mut text = format!("{}\n\nrms       {:.4} px\n\n", check.verdict, check.rms_px);
+    let mut text = format!("{}\n\n", check.verdict);
+    if let Some(rms_px) = check.rms_px {
+        text += &format!("rms       {rms_px:.4} px\n\n");
+    }
     let width = views.iter().map(|v| v.source.chars().count()).max();
     let width = width.unwrap_or(0).clamp(6, 60);
     // writing to a String does not fail

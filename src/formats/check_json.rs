@@ -11,7 +11,7 @@ pub struct CheckJson {
     pub verdict: Option<&'static str>,
     /// The verdict as a sentence.
     pub reason: Option<String>,
-    /// Root mean square distance between measured and predicted centres, px.
+    /// Root mean square distance between measured and predicted centres, px; null where no view has a position of the board.
     pub rms_px: Option<f64>,
     /// Every view in which the board was found.
     pub views: Vec<CheckedView>,
@@ -71,7 +71,7 @@ impl CheckJson {
         Self {
             verdict: check.map(|check| word(&check.verdict)),
             reason: check.map(|check| check.verdict.to_string()),
-            rms_px: check.map(|check| check.rms_px),
+            rms_px: check.and_then(|check| check.rms_px),
             views: checked.map_or_else(Vec::new, |(views, check)| checked_views(views, check)),
             field: check.map(Field::of),
             difference: difference.map(DifferenceJson::of),
@@ -91,7 +91,7 @@ fn word(verdict: &Verdict) -> &'static str {
     match verdict {
         Verdict::Holds { .. } => "holds",
         Verdict::Drifted { .. } => "drifted",
-        Verdict::Fails { .. } => "fails",
+        Verdict::Fails { .. } | Verdict::ExplainsNone => "fails",
         Verdict::NotEnough { .. } => "not_enough",
     }
 }

@@ -122,10 +122,10 @@ pub fn check(
 ) -> Result<Check, CalibrateError> {
     let wanted = (camera.width as usize, camera.height as usize);
     if let Some(view) = views.iter().find(|v| (v.width, v.height) != wanted) {
-        return Err(CalibrateError::Size {
+        return Err(CalibrateError::CameraSize {
             source_name: view.source.clone(),
             size: (view.width, view.height),
-            first: wanted,
+            camera: wanted,
         });
     }
     let known = Known {
@@ -272,7 +272,10 @@ mod tests {
         assert_eq!(checked.verdict, Verdict::ExplainsNone, "{checked:?}");
         assert_eq!(checked.rms_px, None);
         let said = checked.verdict.to_string();
-        assert!(said.contains("no position of the board explains any"), "{said}");
+        assert!(
+            said.contains("no position of the board explains any"),
+            "{said}"
+        );
         let json = crate::formats::CheckJson::new(Some((&views, &checked)), None);
         assert_eq!((json.verdict, json.rms_px), (Some("fails"), None));
     }
@@ -286,6 +289,9 @@ mod tests {
         let mut other = camera;
         other.width = 640;
         let refused = check(&board(), views, &other, Estimator::Photometric).unwrap_err();
-        assert!(refused.to_string().contains("1280 x 960"), "{refused}");
+        assert_eq!(
+            refused.to_string(),
+            "view 0 is 1280 x 960 px, the camera's frames are 640 x 960 px"
+        );
     }
 }

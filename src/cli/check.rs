@@ -61,8 +61,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let difference = match &arguments.compare {
         Some(path) => {
             let other = read_camera_file(path)?.camera;
-            let found = difference(&camera, &other, FIELD);
-            Some(found.context("the two calibrations have no part of the frame in common")?)
+            Some(compared(&camera, &other)?)
         }
         None => None,
     };
@@ -93,6 +92,20 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     };
     print(&text)?;
     Ok(())
+}
+
+/// How far two calibrations of one camera are apart.
+fn compared(camera: &Camera, other: &Camera) -> anyhow::Result<Difference> {
+    anyhow::ensure!(
+        (camera.width, camera.height) == (other.width, other.height),
+        "the two calibrations are of different frame sizes, {} x {} px and {} x {} px: they cannot be compared",
+        camera.width,
+        camera.height,
+        other.width,
+        other.height
+    );
+    difference(camera, other, FIELD)
+        .context("the two calibrations have no part of the frame in common")
 }
 
 /// Finds the board in all inputs and holds what was found against the camera.

@@ -57,7 +57,7 @@ fn advice(error: &CalibrateError, inputs: u64) -> Vec<String> {
             one_camera.to_owned(),
             "Does the board file describe this print? Then add views at other tilts.".to_owned(),
         ],
-        E::Size { .. } => vec![one_camera.to_owned()],
+        E::Size { .. } | E::CameraSize { .. } => vec![one_camera.to_owned()],
         E::SingleRing => vec![format!(
             "Use a board of at least 2 x 2 rings, and {NEEDED_VIEWS} views or more."
         )],

@@ -19,7 +19,7 @@ fn the_sentence_of_a_good_a_usable_a_poor_and_a_refused_calibration() {
     let sentence = |facts: &Facts| assess(facts).to_string();
     assert_eq!(
         sentence(&good()),
-        "good: anywhere in the frame the camera tells where a thing is seen to 0.011 px (one standard deviation); the rings of \
+        "good: directions are known to 0.011 px (one standard deviation) everywhere in the frame; the rings of \
          20 views cover 93 % of it"
     );
     let usable = Facts {
@@ -30,7 +30,7 @@ fn the_sentence_of_a_good_a_usable_a_poor_and_a_refused_calibration() {
     };
     assert_eq!(
         sentence(&usable),
-        "usable: near pixel (64, 48) it is uncertain by 0.310 px where a thing is seen (good: at most 0.1 px); the \
+        "usable: near pixel (64, 48) directions are known to 0.310 px only (good: at most 0.1 px); the \
          rings cover 52 % of the frame \
          (good: at least 70 %)"
     );

@@ -137,7 +137,7 @@ fn a_good_calibration_says_so_first() {
     assert!(word_is(&page, "Good"), "{}", sentence(&page));
     assert_eq!(
         sentence(&page),
-        "Anywhere in the frame the camera tells where a thing is seen to 0.077 px (one standard deviation); the rings of 16 views \
+        "Directions are known to 0.077 px (one standard deviation) everywhere in the frame; the rings of 16 views \
          cover 100 % of it."
     );
     assert_eq!(page.matches("class=\"grade good\"").count(), 6);
@@ -153,7 +153,7 @@ fn a_poor_one_says_what_it_lacks_and_what_to_do() {
     assert!(word_is(&page, "Usable"), "{}", sentence(&page));
     assert_eq!(
         sentence(&page),
-        "Near pixel (1216, 912) it is uncertain by 0.456 px where a thing is seen (good: at most 0.1 px); \
+        "Near pixel (1216, 912) directions are known to 0.456 px only (good: at most 0.1 px); \
          7 views took part (good: at least 10)."
     );
     assert!(page.contains("What to do"));

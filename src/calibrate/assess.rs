@@ -7,7 +7,7 @@ mod criterion;
 mod refusal;
 
 pub use criterion::{Criterion, Rule};
-pub use refusal::refused;
+pub use refusal::{FramesRead, refused};
 
 use super::{CalibrateError, Calibration, CrossValidation, LeftOut, MAP_CELLS, Range};
 use crate::session::{Coverage, View};

@@ -36,7 +36,7 @@ mod start_homography;
 mod uncertainty;
 mod zhang;
 
-pub use assess::{Assessment, Criterion, Facts, Grade, Rule, assess, refused};
+pub use assess::{Assessment, Criterion, Facts, FramesRead, Grade, Rule, assess, refused};
 pub use calibration::{Calibration, ViewFit};
 pub use check::{Alone, Cell, Check, FIELD, Verdict, check};
 pub use cross_validation::{CrossValidation, FOLDS, ModelScore, choose_model, cross_validate};

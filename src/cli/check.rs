@@ -5,10 +5,11 @@ use super::measuring::Measuring;
 use super::output::print;
 use super::reading::{Collecting, Reading};
 use crate::board::Board;
-use crate::calibrate::{CalibrateOptions, Check, Difference, FIELD, check, difference};
+use crate::calibrate::{CalibrateOptions, Check, Difference, FIELD, FramesRead, check, difference};
 use crate::camera::Camera;
 use crate::detect::Detector;
 use crate::formats::CheckJson;
+use crate::plural::counted;
 use crate::session::View;
 use crate::source::{read_board, read_camera_file};
 use anyhow::Context;
@@ -130,11 +131,11 @@ fn check_inputs(
         pictures: false,
     };
     let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
-    let (views, inputs) = (collected.views, collected.frames);
     anyhow::ensure!(
-        !views.is_empty(),
-        "the board was found in none of {inputs} inputs"
+        !collected.views.is_empty(),
+        no_view(collected.frames_read())
     );
+    let views = collected.views;
     let checked = check(
         detector.board(),
         &views,
@@ -142,6 +143,18 @@ fn check_inputs(
         arguments.measuring.estimator,
     )?;
     Ok((views, checked))
+}
+
+/// Why there is nothing to check.
+fn no_view(frames: FramesRead) -> String {
+    let inputs = counted(frames.all, "input");
+    match frames.with_board {
+        0 => format!("the board was found in none of {inputs}"),
+        boards => format!(
+            "the board was found in {boards} of {inputs}, but none was kept as a view; hold it still at each place for a \
+             moment, or take moving boards too with --max-motion-px 0"
+        ),
+    }
 }
 
 fn table(views: &[View], check: &Check) -> String {

@@ -1,7 +1,7 @@
 use super::*;
 use crate::calibrate::{
-    CalibrateError, CalibrateOptions, Facts, Fixed, assess, calibrate, cross_validate, refused,
-    synthetic,
+    CalibrateError, CalibrateOptions, Facts, Fixed, FramesRead, assess, calibrate, cross_validate,
+    refused, synthetic,
 };
 use crate::frame::{Frame, Plane};
 use crate::report::Picture;
@@ -77,7 +77,12 @@ impl Case {
     }
 
     fn refusal(&self, error: &CalibrateError) -> Assessment {
-        refused(error, self.outcomes.len() as u64)
+        let frames = FramesRead {
+            all: self.outcomes.len() as u64,
+            with_board: self.views.len() as u64,
+            moving: 0,
+        };
+        refused(error, frames)
     }
 
     fn report<'a>(

@@ -61,6 +61,7 @@ pub mod detect;
 pub mod enhance;
 pub mod formats;
 pub mod frame;
+mod plural;
 pub mod print;
 pub mod refine;
 pub mod report;

@@ -7,7 +7,7 @@ mod criterion;
 mod refusal;
 
 pub use criterion::{Criterion, Rule};
-pub use refusal::refused;
+pub use refusal::{FramesRead, refused};
 
 use super::{CalibrateError, Calibration, CrossValidation, LeftOut, MAP_CELLS, Range};
 use crate::session::{Coverage, View};
@@ -175,8 +175,8 @@ pub fn assess(facts: &Facts) -> Assessment {
     let clauses: Vec<String> = wanting.iter().take(CLAUSES).map(|c| c.clause()).collect();
     let reason = if clauses.is_empty() {
         format!(
-            "anywhere in the frame the camera tells where a thing is seen to {} (one standard deviation); the rings of {} \
-             views cover {:.0} % of it",
+            "directions are known to {} (one standard deviation) everywhere in the frame; the rings of {} views cover {:.0} % \
+             of it",
             px(facts.worst_std_px),
             facts.views,
             100.0 * facts.coverage

@@ -61,6 +61,16 @@ pub enum CalibrateError {
         /// Those of the first view.
         first: (usize, usize),
     },
+    /// A view of another frame size than the camera's that it is held against.
+    #[error("{source_name} is {} x {} px, the camera's frames are {} x {} px", size.0, size.1, camera.0, camera.1)]
+    CameraSize {
+        /// `source` of the view.
+        source_name: String,
+        /// Its width and height, px.
+        size: (usize, usize),
+        /// Those of the camera's frames.
+        camera: (usize, usize),
+    },
     /// Too few views are left once the useless ones are left out.
     #[error(
         "{left} of {given} views can be used, at least {NEEDED_VIEWS} are needed; of the others the first {reason}"

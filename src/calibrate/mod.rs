@@ -36,9 +36,9 @@ mod start_homography;
 mod uncertainty;
 mod zhang;
 
-pub use assess::{Assessment, Criterion, Facts, Grade, Rule, assess, refused};
+pub use assess::{Assessment, Criterion, Facts, FramesRead, Grade, Rule, assess, refused};
 pub use calibration::{Calibration, ViewFit};
-pub use check::{Cell, Check, FIELD, Verdict, check};
+pub use check::{Alone, Cell, Check, FIELD, Verdict, check};
 pub use cross_validation::{CrossValidation, FOLDS, ModelScore, choose_model, cross_validate};
 pub use difference::{Difference, difference};
 pub use error::{CalibrateError, Missing};

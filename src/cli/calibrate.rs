@@ -20,6 +20,7 @@ use crate::calibrate::{
 };
 use crate::detect::Detector;
 use crate::formats::{CalibrationJson, CameraFormat, CameraInfo};
+use crate::plural::counted;
 use crate::refine::calibrate_refined;
 use crate::report::{Report, Solved, report_html};
 use crate::session::{SessionRules, View};
@@ -170,15 +171,15 @@ impl Arguments {
         collected: &Collected,
         error: CalibrateError,
     ) -> anyhow::Result<()> {
-        let assessment = refused(&error, collected.frames);
+        let assessment = refused(&error, collected.frames_read());
         let page = report_html(&self.report_of(board, collected, &assessment));
         // what the views lack matters more than a page that cannot be written
         if let Err(failed) = output::write_refusal(&self.output, &page) {
             eprintln!("warning: {failed:#}");
         }
         let (given, usable) = (collected.frames, collected.views.len());
-        Err(error)
-            .with_context(|| format!("no calibration from {given} inputs, {usable} of them usable"))
+        let given = counted(given, "input");
+        Err(error).with_context(|| format!("no calibration from {given}, {usable} of them usable"))
     }
 
     /// A report without a calibration.

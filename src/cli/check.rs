@@ -5,10 +5,11 @@ use super::measuring::Measuring;
 use super::output::print;
 use super::reading::{Collecting, Reading};
 use crate::board::Board;
-use crate::calibrate::{CalibrateOptions, Check, Difference, FIELD, check, difference};
+use crate::calibrate::{CalibrateOptions, Check, Difference, FIELD, FramesRead, check, difference};
 use crate::camera::Camera;
 use crate::detect::Detector;
 use crate::formats::CheckJson;
+use crate::plural::counted;
 use crate::session::View;
 use crate::source::{read_board, read_camera_file};
 use anyhow::Context;
@@ -61,8 +62,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let difference = match &arguments.compare {
         Some(path) => {
             let other = read_camera_file(path)?.camera;
-            let found = difference(&camera, &other, FIELD);
-            Some(found.context("the two calibrations have no part of the frame in common")?)
+            Some(compared(&camera, &other)?)
         }
         None => None,
     };
@@ -95,6 +95,20 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// How far two calibrations of one camera are apart.
+fn compared(camera: &Camera, other: &Camera) -> anyhow::Result<Difference> {
+    anyhow::ensure!(
+        (camera.width, camera.height) == (other.width, other.height),
+        "the two calibrations are of different frame sizes, {} x {} px and {} x {} px: they cannot be compared",
+        camera.width,
+        camera.height,
+        other.width,
+        other.height
+    );
+    difference(camera, other, FIELD)
+        .context("the two calibrations have no part of the frame in common")
+}
+
 /// Finds the board in all inputs and holds what was found against the camera.
 fn check_inputs(
     arguments: &Arguments,
@@ -117,11 +131,11 @@ fn check_inputs(
         pictures: false,
     };
     let collected = collect(&detector, inputs, &rules, arguments.collecting.quiet)?;
-    let (views, inputs) = (collected.views, collected.frames);
     anyhow::ensure!(
-        !views.is_empty(),
-        "the board was found in none of {inputs} inputs"
+        !collected.views.is_empty(),
+        no_view(collected.frames_read())
     );
+    let views = collected.views;
     let checked = check(
         detector.board(),
         &views,
@@ -131,8 +145,23 @@ fn check_inputs(
     Ok((views, checked))
 }
 
+/// Why there is nothing to check.
+fn no_view(frames: FramesRead) -> String {
+    let inputs = counted(frames.all, "input");
+    match frames.with_board {
+        0 => format!("the board was found in none of {inputs}"),
+        boards => format!(
+            "the board was found in {boards} of {inputs}, but none was kept as a view; hold it still at each place for a \
+             moment, or take moving boards too with --max-motion-px 0"
+        ),
+    }
+}
+
 fn table(views: &[View], check: &Check) -> String {
-    let mut text = format!("{}\n\nrms       {:.4} px\n\n", check.verdict, check.rms_px);
+    let mut text = format!("{}\n\n", check.verdict);
+    if let Some(rms_px) = check.rms_px {
+        text += &format!("rms       {rms_px:.4} px\n\n");
+    }
     let width = views.iter().map(|v| v.source.chars().count()).max();
     let width = width.unwrap_or(0).clamp(6, 60);
     // writing to a String does not fail

@@ -7,7 +7,7 @@ use super::interrupt::stop_flag;
 use super::looking::{Looking, Step};
 use super::progress::{Counts, Progress};
 use crate::board::Board;
-use crate::calibrate::CalibrateOptions;
+use crate::calibrate::{CalibrateOptions, FramesRead};
 use crate::detect::{Detection, Detector};
 use crate::formats::Outcome;
 use crate::frame::{Frame, Stamp, Thumbnail};
@@ -28,6 +28,10 @@ pub struct Collected {
     pub outcomes: Vec<Outcome>,
     /// Frames read: image files and messages.
     pub frames: u64,
+    /// Those of them in which the board was found.
+    pub boards: u64,
+    /// Those of these that became no view because the board moved.
+    pub moving: u64,
     /// Small pictures of the views and of some files that are none, where they were asked for.
     pub pictures: Pictures,
     /// Frames of bags that became no views: how many, and why.
@@ -35,6 +39,15 @@ pub struct Collected {
 }
 
 impl Collected {
+    /// What the views were chosen from.
+    pub fn frames_read(&self) -> FramesRead {
+        FramesRead {
+            all: self.frames,
+            with_board: self.boards,
+            moving: self.moving,
+        }
+    }
+
     /// Fraction of the frame's area that the rings of the views cover, 0 to 1.
     pub fn coverage(&self) -> f64 {
         let mut coverage = Coverage::default();
@@ -140,6 +153,8 @@ fn joined(board: &Board, mut files: Files, mut stream: Stream, rules: &Rules) ->
         views: Vec::new(),
         outcomes: Vec::new(),
         frames,
+        boards: files.boards() + stream.boards(),
+        moving: stream.moving(),
         pictures,
         passed_over: stream.passed_over(),
     };

@@ -1,6 +1,6 @@
 //! What `ringcal check --format json` prints.
 
-use crate::calibrate::{Check, Difference, FIELD, Verdict};
+use crate::calibrate::{Check, Difference, FIELD};
 use crate::session::View;
 use serde::Serialize;
 
@@ -11,7 +11,7 @@ pub struct CheckJson {
     pub verdict: Option<&'static str>,
     /// The verdict as a sentence.
     pub reason: Option<String>,
-    /// Root mean square distance between measured and predicted centres, px.
+    /// Root mean square distance between measured and predicted centres, px; null where no view has a position of the board.
     pub rms_px: Option<f64>,
     /// Every view in which the board was found.
     pub views: Vec<CheckedView>,
@@ -69,9 +69,9 @@ impl CheckJson {
     pub fn new(checked: Option<(&[View], &Check)>, difference: Option<&Difference>) -> Self {
         let check = checked.map(|(_, check)| check);
         Self {
-            verdict: check.map(|check| word(&check.verdict)),
+            verdict: check.map(|check| check.verdict.word()),
             reason: check.map(|check| check.verdict.to_string()),
-            rms_px: check.map(|check| check.rms_px),
+            rms_px: check.and_then(|check| check.rms_px),
             views: checked.map_or_else(Vec::new, |(views, check)| checked_views(views, check)),
             field: check.map(Field::of),
             difference: difference.map(DifferenceJson::of),
@@ -84,15 +84,6 @@ impl CheckJson {
     /// Never for what [`CheckJson::new`] makes.
     pub fn to_json(&self) -> serde_json::Result<String> {
         serde_json::to_string_pretty(self).map(|text| text + "\n")
-    }
-}
-
-fn word(verdict: &Verdict) -> &'static str {
-    match verdict {
-        Verdict::Holds { .. } => "holds",
-        Verdict::Drifted { .. } => "drifted",
-        Verdict::Fails { .. } => "fails",
-        Verdict::NotEnough { .. } => "not_enough",
     }
 }
 

@@ -4,6 +4,7 @@ use super::Report;
 use super::escape::escaped;
 use crate::calibrate::ViewFit;
 use crate::formats::Outcome;
+use crate::plural::counted;
 use crate::session::View;
 
 /// Lines of a list of what was left out, at most; more are counted.
@@ -37,12 +38,16 @@ pub(super) fn facts(report: &Report) -> String {
     let rings: usize = report.views.iter().map(|view| view.rings.len()).sum();
     let views = match &report.solved {
         Some(solved) => format!("{} used", solved.calibration.views_used()),
-        None => format!("{} found", report.views.len()),
+        None => format!("{} kept", report.views.len()),
     };
     let (inputs, estimator) = (report.inputs, report.estimator);
     facts.push((
         "Views",
-        format!("{views} of {inputs} inputs; {rings} rings measured ({estimator})"),
+        format!(
+            "{views} of {}; {} measured ({estimator})",
+            counted(inputs, "input"),
+            counted(rings, "ring")
+        ),
     ));
     if let Some(solved) = &report.solved {
         let on_others = solved.validated.map_or(String::new(), |validated| {

@@ -9,6 +9,7 @@ use super::tables::median_blur_px;
 use super::{Picture, Report};
 use crate::calibrate::ViewFit;
 use crate::formats::Outcome;
+use crate::plural::counted;
 use crate::session::View;
 use nalgebra::Point2;
 
@@ -169,7 +170,8 @@ fn numbers(view: &View, fit: Option<&ViewFit>) -> String {
         }
         Some((None, 0, rms_px)) => format!("{rms_px:.4} px, {blur}"),
         Some((None, out, rms_px)) => {
-            format!("{rms_px:.4} px, {blur}<br><span class=\"alarm\">{out} rings left out</span>")
+            let out = counted(out, "ring");
+            format!("{rms_px:.4} px, {blur}<br><span class=\"alarm\">{out} left out</span>")
         }
     }
 }

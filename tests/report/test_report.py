@@ -24,14 +24,14 @@ CASES = {
     "good": (
         "--views 14 --blur-sigma 2 --noise 0.01",
         "Good",
-        r"Anywhere in the frame the camera tells where a thing is seen to 0\.0\d\d px \(one standard deviation\); the rings "
+        r"Directions are known to 0\.0\d\d px \(one standard deviation\) everywhere in the frame; the rings "
         r"of 14 views cover 9\d % of it\.",
         8 + 12 + 1,
     ),
     "poor": (
         "--views 6 --blur-sigma 2 --noise 0.04 --max-tilt 15",
         "Usable",
-        rf"Near pixel \(\d+, \d+\) it is uncertain by {PX} where a thing is seen \(good: at most 0\.1 px\); "
+        rf"Near pixel \(\d+, \d+\) directions are known to {PX} only \(good: at most 0\.1 px\); "
         r"6 views took part \(good: at least 10\)\.",
         8 + 6 + 1,
     ),

@@ -191,7 +191,7 @@ impl Criterion {
             Rule::Certainty => {
                 let at = self.at.unwrap_or_default();
                 format!(
-                    "near pixel ({:.0}, {:.0}) it is uncertain by {value} where a thing is seen",
+                    "near pixel ({:.0}, {:.0}) directions are known to {value} only",
                     at.x, at.y
                 )
             }

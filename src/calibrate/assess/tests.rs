@@ -19,7 +19,7 @@ fn the_sentence_of_a_good_a_usable_a_poor_and_a_refused_calibration() {
     let sentence = |facts: &Facts| assess(facts).to_string();
     assert_eq!(
         sentence(&good()),
-        "good: anywhere in the frame the camera tells where a thing is seen to 0.011 px (one standard deviation); the rings of \
+        "good: directions are known to 0.011 px (one standard deviation) everywhere in the frame; the rings of \
          20 views cover 93 % of it"
     );
     let usable = Facts {
@@ -30,7 +30,7 @@ fn the_sentence_of_a_good_a_usable_a_poor_and_a_refused_calibration() {
     };
     assert_eq!(
         sentence(&usable),
-        "usable: near pixel (64, 48) it is uncertain by 0.310 px where a thing is seen (good: at most 0.1 px); the \
+        "usable: near pixel (64, 48) directions are known to 0.310 px only (good: at most 0.1 px); the \
          rings cover 52 % of the frame \
          (good: at least 70 %)"
     );
@@ -50,7 +50,7 @@ fn the_sentence_of_a_good_a_usable_a_poor_and_a_refused_calibration() {
         missing: Missing::TiltBoth,
     };
     assert_eq!(
-        refused(&error, 5).to_string(),
+        refused(&error, read(5, 5, 0)).to_string(),
         "not enough: no calibration was made. The views cannot tell fx: tilt the board by 20 degrees or more about both axes"
     );
 }
@@ -164,10 +164,33 @@ fn the_facts_of_a_calibration_are_its_own() {
 
 #[test]
 fn a_refusal_says_what_to_do() {
-    let none = refused(&CalibrateError::TooFewViews { found: 0 }, 7);
+    let none = refused(&CalibrateError::TooFewViews { found: 0 }, read(7, 0, 0));
     assert_eq!(none.grade, Grade::NotEnough);
     assert!(none.advice[0].contains("none of the 7 inputs"), "{none:?}");
-    let parallel = refused(&CalibrateError::Parallel { spread_deg: 0.4 }, 5);
+    let parallel = refused(&CalibrateError::Parallel { spread_deg: 0.4 }, read(5, 5, 0));
     assert!(parallel.advice[0].contains("tilt"), "{parallel:?}");
     assert!(parallel.criteria.is_empty());
+}
+
+fn read(all: u64, with_board: u64, moving: u64) -> FramesRead {
+    FramesRead {
+        all,
+        with_board,
+        moving,
+    }
+}
+
+#[test]
+fn a_board_that_never_held_still_was_found_all_the_same() {
+    let said =
+        |found, frames| refused(&CalibrateError::TooFewViews { found }, frames).advice[0].clone();
+    let none = said(0, read(20, 20, 19));
+    assert!(
+        none.starts_with("The board was found in 20 of the 20 inputs, but none was kept as a view. In 19 inputs the board moved"),
+        "{none}"
+    );
+    assert!(none.contains("--max-motion-px 0"), "{none}");
+    assert!(said(2, read(20, 20, 18)).starts_with("In 18 inputs the board moved"));
+    assert!(said(0, read(1, 1, 0)).contains("in 1 of the 1 input, but none"));
+    assert!(said(0, read(1, 0, 0)).contains("none of the 1 input;"));
 }

@@ -3,6 +3,7 @@
 use crate::calibrate::{
     Assessment, CalibrateError, Calibration, CrossValidation, ModelScore, Range,
 };
+use crate::plural::counted;
 
 /// The result, for stdout.
 pub fn summary(
@@ -18,12 +19,14 @@ pub fn summary(
         .sum();
     let out: usize = used().map(|view| view.rings_left_out()).sum();
     let mut text = format!(
-        "camera    {} x {} px, {}\nviews     {} of {inputs} inputs, {rings} rings, {out} left out\n\
+        "camera    {} x {} px, {}\nviews     {} of {}, {}, {out} left out\n\
          coverage  {:.0} % of the frame\nrms       {:.4} px\n",
         camera.width,
         camera.height,
         camera.model(),
         calibration.views_used(),
+        counted(inputs, "input"),
+        counted(rings, "ring"),
         100.0 * coverage,
         calibration.rms_px,
     );

@@ -9,6 +9,9 @@ use crate::source::Origin;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+/// Why a frame with a board that moved is not kept.
+const MOVED: &str = "the board moved (--max-motion-px)";
+
 /// What the bags have shown so far.
 #[derive(Debug)]
 pub(super) struct Stream {
@@ -109,6 +112,11 @@ impl Stream {
         self.boards
     }
 
+    /// Frames that were not kept because the board moved.
+    pub(super) fn moving(&self) -> u64 {
+        self.not_kept.get(MOVED).copied().unwrap_or(0)
+    }
+
     /// The views kept.
     pub(super) fn views(&self) -> &[View] {
         self.session.views()
@@ -166,7 +174,7 @@ fn not_kept(verdict: &Verdict) -> Option<&'static str> {
     Some(match verdict {
         Verdict::Kept { .. } | Verdict::Replaced { .. } => return None,
         Verdict::FirstSight => "the board had just come into sight",
-        Verdict::Moving { .. } => "the board moved (--max-motion-px)",
+        Verdict::Moving { .. } => MOVED,
         Verdict::NotNew { .. } => "repeats a view",
         Verdict::TooFewRings { .. } => "too few rings",
         Verdict::Contradicts { .. } => "does not agree with the views kept",

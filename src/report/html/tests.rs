@@ -1,7 +1,7 @@
 use super::*;
 use crate::calibrate::{
-    CalibrateError, CalibrateOptions, Facts, Fixed, assess, calibrate, cross_validate, refused,
-    synthetic,
+    CalibrateError, CalibrateOptions, Facts, Fixed, FramesRead, assess, calibrate, cross_validate,
+    refused, synthetic,
 };
 use crate::frame::{Frame, Plane};
 use crate::report::Picture;
@@ -77,7 +77,12 @@ impl Case {
     }
 
     fn refusal(&self, error: &CalibrateError) -> Assessment {
-        refused(error, self.outcomes.len() as u64)
+        let frames = FramesRead {
+            all: self.outcomes.len() as u64,
+            with_board: self.views.len() as u64,
+            moving: 0,
+        };
+        refused(error, frames)
     }
 
     fn report<'a>(
@@ -137,7 +142,7 @@ fn a_good_calibration_says_so_first() {
     assert!(word_is(&page, "Good"), "{}", sentence(&page));
     assert_eq!(
         sentence(&page),
-        "Anywhere in the frame the camera tells where a thing is seen to 0.077 px (one standard deviation); the rings of 16 views \
+        "Directions are known to 0.077 px (one standard deviation) everywhere in the frame; the rings of 16 views \
          cover 100 % of it."
     );
     assert_eq!(page.matches("class=\"grade good\"").count(), 6);
@@ -153,7 +158,7 @@ fn a_poor_one_says_what_it_lacks_and_what_to_do() {
     assert!(word_is(&page, "Usable"), "{}", sentence(&page));
     assert_eq!(
         sentence(&page),
-        "Near pixel (1216, 912) it is uncertain by 0.456 px where a thing is seen (good: at most 0.1 px); \
+        "Near pixel (1216, 912) directions are known to 0.456 px only (good: at most 0.1 px); \
          7 views took part (good: at least 10)."
     );
     assert!(page.contains("What to do"));

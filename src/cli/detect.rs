@@ -38,7 +38,7 @@ pub struct Arguments {
     /// What to print for each frame.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Also write a picture of what was found for each frame into this folder.
+    /// Also write a picture of what was found for each frame into this folder; never over an input.
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
 }
@@ -59,9 +59,12 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let camera = info.transpose()?.map(|info| info.camera);
     let inputs = arguments.reading.open(&arguments.inputs)?;
     let detectors = Detectors::new(board, arguments.measuring.options(), camera);
+    let overlays = arguments.overlay;
+    let overlays = overlays.map(|folder| Overlays::new(folder, &inputs));
+    let overlays = overlays.transpose()?;
     let mut results = Results {
         format: arguments.format,
-        overlays: arguments.overlay.map(Overlays::new).transpose()?,
+        overlays,
         board: detectors.plain.board().clone(),
         warned_of: None,
         all: 0,

@@ -3,7 +3,7 @@
 use super::bag::{self, Bag, Topic, TopicError};
 use super::recorded::Recorded;
 use super::{SourceError, folder};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Image files, folders of them and bags, in the order given.
 #[derive(Debug)]
@@ -63,6 +63,18 @@ impl Inputs {
             .iter()
             .map(count)
             .try_fold(0_u64, |sum, count| Some(sum.saturating_add(count?)))
+    }
+
+    /// The files that are read: image files, and whatever else was given that is no bag.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.inputs
+            .iter()
+            .flat_map(|input| match input {
+                Input::Image(path) | Input::Broken(path, _) => std::slice::from_ref(path),
+                Input::Folder(files) => files,
+                Input::Bag(..) => &[],
+            })
+            .map(PathBuf::as_path)
     }
 
     /// The frames of all inputs. Files are opened when the iterator comes to them; one message of a bag is in memory at a time.

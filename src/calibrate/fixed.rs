@@ -132,7 +132,8 @@ impl Fixed {
         Ok(names
             .iter()
             .filter(|name| {
-                self.holds.iter().any(|(held, _)| held == *name) || not_radial.contains(name)
+                let focal = matches!(**name, "fx" | "fy") && self.holds_focal();
+                focal || self.holds(name) || not_radial.contains(name)
             })
             .copied()
             .collect())
@@ -145,8 +146,12 @@ impl Fixed {
 
     /// Whether both focal lengths are fixed.
     pub(super) fn holds_focal(&self) -> bool {
-        let holds = |name| self.holds.iter().any(|(held, _)| *held == name);
-        holds("fx") && (holds("fy") || self.aspect)
+        let (x, y) = (self.holds("fx"), self.holds("fy"));
+        (x && y) || (self.aspect && (x || y))
+    }
+
+    fn holds(&self, name: &str) -> bool {
+        self.holds.iter().any(|(held, _)| *held == name)
     }
 
     /// A guess of the camera with the fixed parameters where they are held; `given` says that the guess is the user's, whose values
@@ -165,6 +170,19 @@ impl Fixed {
                 (Some(Hold::AtStart), "cx") if !given => values[at] = middle[0],
                 (Some(Hold::AtStart), "cy") if !given => values[at] = middle[1],
                 _ => {}
+            }
+        }
+        if self.aspect {
+            let ratio = if given {
+                guess.intrinsics.fy / guess.intrinsics.fx
+            } else {
+                1.0
+            };
+            // values that are given for both have a ratio of their own
+            match (self.holds("fx"), self.holds("fy")) {
+                (true, true) => {}
+                (false, true) => values[0] = values[1] / ratio,
+                (_, false) => values[1] = values[0] * ratio,
             }
         }
         guess.with_parameters(&values)

@@ -182,3 +182,20 @@ pub enum CalibrateError {
         what: String,
     },
 }
+
+impl CalibrateError {
+    /// Whether values that were held, or the camera to start from, can be the reason as well as the views.
+    pub fn may_be_the_options(&self) -> bool {
+        matches!(
+            self,
+            Self::TooFewLeft { .. }
+                | Self::TooFewMeasurements { .. }
+                | Self::Undetermined { .. }
+                | Self::LensOpen { .. }
+                | Self::LensFolds { .. }
+                | Self::Parallel { .. }
+                | Self::NotConverged { .. }
+                | Self::Absurd { .. }
+        )
+    }
+}

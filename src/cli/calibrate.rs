@@ -170,13 +170,21 @@ impl Arguments {
         collected: &Collected,
         error: CalibrateError,
     ) -> anyhow::Result<()> {
-        let assessment = refused(&error, collected.frames);
+        let mut assessment = refused(&error, collected.frames);
+        let suspects = self.lens.suspects().filter(|_| error.may_be_the_options());
+        if let Some(text) = &suspects {
+            assessment.advice.insert(0, sentence(text));
+        }
         let page = report_html(&self.report_of(board, collected, &assessment));
         // what the views lack matters more than a page that cannot be written
         if let Err(failed) = output::write_refusal(&self.output, &page) {
             eprintln!("warning: {failed:#}");
         }
         let (given, usable) = (collected.frames, collected.views.len());
+        let error = match suspects {
+            Some(text) => anyhow::anyhow!("{error}; {text}"),
+            None => error.into(),
+        };
         Err(error)
             .with_context(|| format!("no calibration from {given} inputs, {usable} of them usable"))
     }
@@ -201,4 +209,9 @@ impl Arguments {
             solved: None,
         }
     }
+}
+
+fn sentence(text: &str) -> String {
+    let (first, rest) = text.split_at(1);
+    format!("{}{rest}.", first.to_uppercase())
 }

@@ -80,6 +80,7 @@ fn other_values_are_wrong_usage_and_it_says_which_can_be_given() {
         (["--response-gamma", "-1"], "a number from 0.2 to 5"),
         (["--response-gamma", "nan"], "a number from 0.2 to 5"),
         (["--estimator", "best"], "photometric"),
+        (["--required-rings", "31"], "the board has 30 rings"),
     ] {
         let output = detect(
             folder.path(),

@@ -69,9 +69,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     }
     let inputs = arguments.reading.open(&arguments.inputs)?;
     let options = arguments.lens.options(arguments.measuring.estimator)?;
+    let measuring = arguments.measuring.options(&board)?;
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| format!("{}: cannot be made", arguments.output.display()))?;
-    let detector = Detector::new(board, arguments.measuring.options());
+    let detector = Detector::new(board, measuring);
     let rules = Rules {
         files: Some(SessionRules::for_files()),
         stream: arguments.collecting.rules.to_calibrate(),

@@ -57,8 +57,9 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let board = read_board(&arguments.board)?;
     let info = arguments.camera_info.as_deref().map(read_camera_file);
     let camera = info.transpose()?.map(|info| info.camera);
+    let measuring = arguments.measuring.options(&board)?;
     let inputs = arguments.reading.open(&arguments.inputs)?;
-    let detectors = Detectors::new(board, arguments.measuring.options(), camera);
+    let detectors = Detectors::new(board, measuring, camera);
     let overlays = arguments.overlay;
     let overlays = overlays.map(|folder| Overlays::new(folder, &inputs));
     let overlays = overlays.transpose()?;

@@ -224,7 +224,8 @@ mod tests {
         assert!(!clearly_better(&one, &one));
         assert!(!clearly_better(&scaled(0.97), &one));
         assert!(clearly_better(&scaled(0.95), &one));
-        let scattered = |i: u32| Some((1.0 + f64::from(i)) * if i % 2 == 0 { 0.5 } else { 1.7 });
+        let scattered =
+            |i: u32| Some((1.0 + f64::from(i)) * if i.is_multiple_of(2) { 0.5 } else { 1.7 });
         assert!(!clearly_better(&of((0..10).map(scattered).collect()), &one));
     }
 }

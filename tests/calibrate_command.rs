@@ -177,6 +177,30 @@ fn pictures_of_a_board_become_three_files_with_the_true_camera() {
         std::fs::read_dir(folder.join("out/run")).unwrap().count(),
         3
     );
+    let of_another_size = text_of_smaller(info);
+    std::fs::write(folder.join("small.yaml"), of_another_size).unwrap();
+    let rest = ["views", "--board", "board.yaml", "--output", "other"];
+    for (options, words) in [
+        (
+            ["--fix", "cx=10000"],
+            "; held: cx = 10000 (--fix); let it go if it may be wrong",
+        ),
+        (
+            ["--guess", "small.yaml"],
+            "320 x 240 px, the frames are 640 x 480 px",
+        ),
+    ] {
+        let output = ringcal(folder, &[rest.as_slice(), &options].concat());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(words), "{said}");
+        assert!(!folder.join("other/camera_info.yaml").exists());
+    }
+}
+
+fn text_of_smaller(mut info: CameraInfo) -> String {
+    (info.camera.width, info.camera.height) = (320, 240);
+    info.to_yaml()
 }
 
 #[test]
@@ -189,7 +213,7 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
     std::fs::write(folder.join("drive.mcap"), "no MCAP").unwrap();
     write_views(folder, 2);
     let rest = ["--board", "board.yaml", "--output", "out"];
-    let cases: [(&[&str], i32, &str); 10] = [
+    let cases: [(&[&str], i32, &str); 16] = [
         (
             &["view_0.png", "view_1.png"],
             1,
@@ -211,6 +235,24 @@ fn what_cannot_be_done_says_why_and_exits_with_1_and_wrong_usage_with_2() {
         (&["view_0.png", "--psf", "round"], 2, "gaussian, disc"),
         (&["view_0.png", "--response-gamma", "9"], 2, "0.2 to 5"),
         (&["view_0.png", "--shape", "round"], 2, "--shape"),
+        (
+            &["view_0.png", "--model", "equidistant", "--fix", "p1=1"],
+            2,
+            "equidistant has no p1; it has fx, fy",
+        ),
+        (
+            &["view_0.png", "--fix", "k1=0,k1=1"],
+            2,
+            "k1 is fixed at 0 and at 1",
+        ),
+        (&["view_0.png", "--fix", "radial=9"], 2, "k1, k2, k3"),
+        (&["view_0.png", "--fix", "fx=-5"], 2, "more than 0 px"),
+        (&["view_0.png", "--fix", "fx=inf"], 2, "NAME=NUMBER"),
+        (
+            &["view_0.png", "--required-rings", "31"],
+            2,
+            "the board has 30 rings",
+        ),
         (&[], 2, "INPUT"),
     ];
     for (arguments, code, words) in cases {

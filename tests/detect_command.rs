@@ -80,6 +80,7 @@ fn other_values_are_wrong_usage_and_it_says_which_can_be_given() {
         (["--response-gamma", "-1"], "a number from 0.2 to 5"),
         (["--response-gamma", "nan"], "a number from 0.2 to 5"),
         (["--estimator", "best"], "photometric"),
+        (["--required-rings", "31"], "the board has 30 rings"),
     ] {
         let output = detect(
             folder.path(),
@@ -135,4 +136,43 @@ fn a_file_that_is_no_camera_info_ends_it_and_is_named() {
         assert!(stderr(&output).contains(says), "{}", stderr(&output));
         assert!(output.stdout.is_empty(), "{name}");
     }
+}
+
+#[test]
+fn an_overlay_never_takes_the_place_of_an_input() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::create_dir(path("c")).unwrap();
+    std::fs::copy(path("small.png"), path("c/a.png")).unwrap();
+    GrayImage::from_pixel(160, 120, Luma([90]))
+        .save(path("c/b.bmp"))
+        .unwrap();
+    let before = std::fs::read(path("c/a.png")).unwrap();
+    for given in [
+        ["c", "--overlay", "c"],
+        ["c/a.png", "--overlay", "./c/../c"],
+    ] {
+        let output = detect(folder.path(), &given);
+        assert_eq!(output.status.code(), Some(1), "{given:?}");
+        let said = stderr(&output);
+        assert!(said.contains("a.png is an input"), "{said}");
+        assert!(output.stdout.is_empty());
+        assert_eq!(std::fs::read(path("c/a.png")).unwrap(), before);
+        assert_eq!(std::fs::read_dir(path("c")).unwrap().count(), 2);
+    }
+    // a picture beside the image it shows, another name for another file of the same name, and again
+    std::fs::copy(path("c/b.bmp"), path("b.bmp")).unwrap();
+    for _ in 0..2 {
+        let output = detect(folder.path(), &["c/b.bmp", "b.bmp", "--overlay", "c"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        for name in ["c/b.png", "c/b_2.png", "c/b.bmp"] {
+            assert!(path(name).exists(), "{name}");
+        }
+    }
+    // a name that the second file of the same name would get may be an input too
+    let output = detect(
+        folder.path(),
+        &["b.bmp", "c/b.bmp", "c/b_2.png", "--overlay", "c"],
+    );
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
 }

@@ -170,6 +170,9 @@ mod tests {
         let symmetric = format!("{C4}marks: [[0, 0], [6, 6]]\n");
         let error = Board::from_yaml(&symmetric).unwrap_err();
         assert_eq!(error, BoardError::MarksSymmetric);
+        let error = Board::from_yaml(&format!("{C4}marks: [[0, 0]]\n")).unwrap_err();
+        assert_eq!(error, BoardError::OneMark);
+        assert!(error.to_string().contains("at least two must be in view"));
         assert!(Board::from_yaml("rows: seven").is_err());
         assert!(Board::from_yaml(&format!("{C4}colour: red\n")).is_err());
     }

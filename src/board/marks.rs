@@ -9,7 +9,7 @@ impl Board {
     /// The same board with these rings (row, column) as marks.
     ///
     /// # Errors
-    /// [`BoardError`] where one is no ring of the board or given twice, where they are too many, and where they look the same after
+    /// [`BoardError`] where one is no ring of the board or given twice, where they are too many or only one, and where they look the same after
     /// one of the turns that the board can be seen under.
     pub fn with_marks(self, marks: Vec<(u16, u16)>) -> Result<Self, BoardError> {
         if marks.is_empty() {
@@ -27,6 +27,9 @@ impl Board {
             if marks[..i].contains(&(row, column)) {
                 return Err(BoardError::MarkTwice { row, column });
             }
+        }
+        if marks.len() == 1 {
+            return Err(BoardError::OneMark);
         }
         // what a quarter turn leaves the same, a half turn does too
         let (last_row, last_column) = (self.rows - 1, self.columns - 1);

@@ -115,6 +115,11 @@ pub enum BoardError {
         /// Column given.
         column: u16,
     },
+    /// A single mark, which a ring that is badly seen may look like.
+    #[error(
+        "marks: one is not enough, at least two must be in view to tell which way the board is turned"
+    )]
+    OneMark,
     /// Too many marks leave too few rings.
     #[error("marks: {count} are too many, at most {most} rings of this board can be marks")]
     Marks {

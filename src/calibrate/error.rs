@@ -71,6 +71,17 @@ pub enum CalibrateError {
         /// Those of the camera's frames.
         camera: (usize, usize),
     },
+    /// A guess of frames of another size: its principal point and focal lengths are not theirs.
+    #[error(
+        "the guess is a camera of {} x {} px, the frames are {} x {} px: it is no guess for them",
+        guess.0, guess.1, frames.0, frames.1
+    )]
+    GuessSize {
+        /// Width and height of the guess, px.
+        guess: (u32, u32),
+        /// Those of the views, px.
+        frames: (u32, u32),
+    },
     /// Too few views are left once the useless ones are left out.
     #[error(
         "{left} of {given} views can be used, at least {NEEDED_VIEWS} are needed; of the others the first {reason}"
@@ -180,4 +191,21 @@ pub enum CalibrateError {
         /// What is impossible about it.
         what: String,
     },
+}
+
+impl CalibrateError {
+    /// Whether values that were held, or the camera to start from, can be the reason as well as the views.
+    pub fn may_be_the_options(&self) -> bool {
+        matches!(
+            self,
+            Self::TooFewLeft { .. }
+                | Self::TooFewMeasurements { .. }
+                | Self::Undetermined { .. }
+                | Self::LensOpen { .. }
+                | Self::LensFolds { .. }
+                | Self::Parallel { .. }
+                | Self::NotConverged { .. }
+                | Self::Absurd { .. }
+        )
+    }
 }

@@ -30,7 +30,7 @@ const GROUPS: [(&str, &[&str]); 2] = [
 ];
 
 /// A list of fixed parameters that cannot be understood.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FixedError {
     /// No such parameter.
     #[error("unknown parameter {0:?}; known are {known}", known = known().join(", "))]
@@ -38,6 +38,27 @@ pub enum FixedError {
     /// The value is not a finite number.
     #[error("{0:?} is not NAME or NAME=NUMBER")]
     Value(String),
+    /// A focal length that no camera has.
+    #[error("{0:?}: a focal length is more than 0 px")]
+    Focal(String),
+    /// Two values for the same parameter.
+    #[error("{name} is fixed at {first} and at {second}: give one of them")]
+    Twice {
+        /// The parameter.
+        name: &'static str,
+        /// The value given first.
+        first: f64,
+        /// The value given later.
+        second: f64,
+    },
+    /// More radial coefficients than the lens model has.
+    #[error("radial={count}, but {model} has {} radial coefficients: {}", model.radial_names().len(), model.radial_names().join(", "))]
+    Radial {
+        /// How many were asked for.
+        count: usize,
+        /// The lens model.
+        model: LensModel,
+    },
     /// The lens model has no such parameter.
     #[error("{name} is fixed, but {model} has no {name}; it has {}", model.parameter_names().join(", "))]
     NotInModel {
@@ -94,25 +115,72 @@ impl Fixed {
         match (name, value, group) {
             ("aspect_ratio", None, _) => self.aspect = true,
             ("radial", Some(count), _) if count >= 0.0 && count.fract() == 0.0 => {
-                self.radial = Some(count as usize);
+                self.add_radial(count as usize)?;
             }
             (_, None, Some((_, members))) => {
                 for member in *members {
-                    self.hold(member, Hold::AtStart);
+                    self.hold(member, Hold::AtStart)?;
                 }
             }
             ("aspect_ratio" | "radial", _, _) | (_, Some(_), Some(_)) => return Err(bad()),
             _ => {
                 let name = parameter(name).ok_or_else(|| FixedError::Name(name.to_owned()))?;
-                self.hold(name, value.map_or(Hold::AtStart, Hold::At));
+                if matches!(name, "fx" | "fy") && value.is_some_and(|value| value <= 0.0) {
+                    return Err(FixedError::Focal(entry.to_owned()));
+                }
+                self.hold(name, value.map_or(Hold::AtStart, Hold::At))?;
             }
         }
         Ok(())
     }
 
-    fn hold(&mut self, name: &'static str, hold: Hold) {
-        self.holds.retain(|(other, _)| *other != name);
-        self.holds.push((name, hold));
+    /// Of several mentions of a parameter the one with a value counts.
+    fn hold(&mut self, name: &'static str, hold: Hold) -> Result<(), FixedError> {
+        let known = self.holds.iter_mut().find(|(other, _)| *other == name);
+        let Some((_, known)) = known else {
+            self.holds.push((name, hold));
+            return Ok(());
+        };
+        match (*known, hold) {
+            (Hold::At(first), Hold::At(second)) if first != second => {
+                return Err(FixedError::Twice {
+                    name,
+                    first,
+                    second,
+                });
+            }
+            (Hold::AtStart, _) => *known = hold,
+            (Hold::At(_), _) => {}
+        }
+        Ok(())
+    }
+
+    fn add_radial(&mut self, count: usize) -> Result<(), FixedError> {
+        let model = LensModel::RationalPolynomial;
+        if count > model.radial_names().len() {
+            return Err(FixedError::Radial { count, model });
+        }
+        match self.radial.replace(count) {
+            Some(first) if first != count => Err(FixedError::Twice {
+                name: "radial",
+                first: first as f64,
+                second: count as f64,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether every entry means something for a lens model that was asked for. One that is tried among others may have fewer
+    /// radial coefficients than are let free.
+    ///
+    /// # Errors
+    /// [`FixedError::Radial`], and those of [`Fixed::in_model`].
+    pub fn suits(&self, model: LensModel) -> Result<(), FixedError> {
+        let most = model.radial_names().len();
+        if let Some(count) = self.radial.filter(|count| *count > most) {
+            return Err(FixedError::Radial { count, model });
+        }
+        self.in_model(model).map(|_| ())
     }
 
     /// Names of the parameters of a lens model that are fixed, in the model's order.
@@ -121,18 +189,21 @@ impl Fixed {
     /// [`FixedError::NotInModel`] where one is fixed that the model does not have.
     pub fn in_model(&self, model: LensModel) -> Result<Vec<&'static str>, FixedError> {
         let names = model.parameter_names();
-        if let Some((name, _)) = self.holds.iter().find(|(name, _)| !names.contains(name)) {
-            // tangential terms that a fisheye does not have are zero in it
-            if !matches!(*name, "p1" | "p2") {
-                return Err(FixedError::NotInModel { name, model });
-            }
+        // tangential terms that a fisheye does not have are zero in it
+        let zero = |(name, hold): &(&str, Hold)| {
+            matches!(*name, "p1" | "p2") && matches!(hold, Hold::AtStart | Hold::At(0.0))
+        };
+        let mut others = self.holds.iter().filter(|(name, _)| !names.contains(name));
+        if let Some((name, _)) = others.find(|held| !zero(held)) {
+            return Err(FixedError::NotInModel { name, model });
         }
         let not_radial = model.radial_names().iter().skip(self.radial.unwrap_or(8));
         let not_radial: Vec<_> = not_radial.collect();
         Ok(names
             .iter()
             .filter(|name| {
-                self.holds.iter().any(|(held, _)| held == *name) || not_radial.contains(name)
+                let focal = matches!(**name, "fx" | "fy") && self.holds_focal();
+                focal || self.holds(name) || not_radial.contains(name)
             })
             .copied()
             .collect())
@@ -145,8 +216,12 @@ impl Fixed {
 
     /// Whether both focal lengths are fixed.
     pub(super) fn holds_focal(&self) -> bool {
-        let holds = |name| self.holds.iter().any(|(held, _)| *held == name);
-        holds("fx") && (holds("fy") || self.aspect)
+        let (x, y) = (self.holds("fx"), self.holds("fy"));
+        (x && y) || (self.aspect && (x || y))
+    }
+
+    fn holds(&self, name: &str) -> bool {
+        self.holds.iter().any(|(held, _)| *held == name)
     }
 
     /// A guess of the camera with the fixed parameters where they are held; `given` says that the guess is the user's, whose values
@@ -165,6 +240,19 @@ impl Fixed {
                 (Some(Hold::AtStart), "cx") if !given => values[at] = middle[0],
                 (Some(Hold::AtStart), "cy") if !given => values[at] = middle[1],
                 _ => {}
+            }
+        }
+        if self.aspect {
+            let ratio = if given {
+                guess.intrinsics.fy / guess.intrinsics.fx
+            } else {
+                1.0
+            };
+            // values that are given for both have a ratio of their own
+            match (self.holds("fx"), self.holds("fy")) {
+                (true, true) => {}
+                (false, true) => values[0] = values[1] / ratio,
+                (_, false) => values[1] = values[0] * ratio,
             }
         }
         guess.with_parameters(&values)
@@ -234,5 +322,39 @@ mod tests {
             let error = Fixed::from_entries([wrong]).unwrap_err();
             assert_eq!(error, FixedError::Value(wrong.to_owned()));
         }
+    }
+
+    #[test]
+    fn what_would_do_nothing_is_refused_with_the_names_of_the_model() {
+        let error = |entries: &[&str]| Fixed::from_entries(entries).unwrap_err().to_string();
+        assert_eq!(
+            error(&["k1=0", "k1=1"]),
+            "k1 is fixed at 0 and at 1: give one of them"
+        );
+        assert!(error(&["radial=2", "radial=1"]).contains("at 2 and at 1"));
+        assert!(error(&["radial=9"]).ends_with("k1, k2, k3, k4, k5, k6"));
+        for impossible in ["fx=-5", "fy=0"] {
+            assert!(error(&[impossible]).contains("more than 0 px"));
+        }
+        let fixed = |entries: &[&str]| Fixed::from_entries(entries).unwrap();
+        let unsuited = |entries: &[&str], model| fixed(entries).suits(model).unwrap_err();
+        let error = unsuited(&["p1=1"], LensModel::Equidistant).to_string();
+        assert!(
+            error.ends_with("it has fx, fy, cx, cy, k1, k2, k3, k4"),
+            "{error}"
+        );
+        let error = unsuited(&["radial=4"], LensModel::PlumbBob).to_string();
+        assert!(
+            error.ends_with("3 radial coefficients: k1, k2, k3"),
+            "{error}"
+        );
+        assert_eq!(fixed(&["radial=4"]).suits(LensModel::Equidistant), Ok(()));
+        assert_eq!(fixed(&["p1=0", "p2"]).suits(LensModel::Equidistant), Ok(()));
+        // the same twice is no contradiction, and a value says more than none
+        assert_eq!(
+            fixed(&["k1=1", "k1=1", "radial=2", "radial=2"]),
+            fixed(&["k1=1", "radial=2"])
+        );
+        assert_eq!(fixed(&["cx=3", "cx"]), fixed(&["cx", "cx=3"]));
     }
 }

@@ -60,6 +60,15 @@ pub(super) fn solve(
     let size = (pixels(views[0].width), pixels(views[0].height));
     // asked first, so that a wrong name is said before anything is computed
     let fixed = options.fixed.in_model(options.model)?;
+    if let Some(guess) = &options.guess {
+        let guess = (guess.width, guess.height);
+        if guess != size {
+            return Err(CalibrateError::GuessSize {
+                guess,
+                frames: size,
+            });
+        }
+    }
     if options.sheet.pitch_ratio && board.rows() == board.columns() && board.marks().is_empty() {
         return Err(CalibrateError::QuarterTurns);
     }

@@ -70,9 +70,10 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     }
     let inputs = arguments.reading.open(&arguments.inputs)?;
     let options = arguments.lens.options(arguments.measuring.estimator)?;
+    let measuring = arguments.measuring.options(&board)?;
     std::fs::create_dir_all(&arguments.output)
         .with_context(|| format!("{}: cannot be made", arguments.output.display()))?;
-    let detector = Detector::new(board, arguments.measuring.options());
+    let detector = Detector::new(board, measuring);
     let rules = Rules {
         files: Some(SessionRules::for_files()),
         stream: arguments.collecting.rules.to_calibrate(),
@@ -171,7 +172,11 @@ impl Arguments {
         collected: &Collected,
         error: CalibrateError,
     ) -> anyhow::Result<()> {
-        let assessment = refused(&error, collected.frames_read());
+        let mut assessment = refused(&error, collected.frames_read());
+        let suspects = self.lens.suspects().filter(|_| error.may_be_the_options());
+        if let Some(text) = &suspects {
+            assessment.advice.insert(0, sentence(text));
+        }
         let page = report_html(&self.report_of(board, collected, &assessment));
         // what the views lack matters more than a page that cannot be written
         if let Err(failed) = output::write_refusal(&self.output, &page) {
@@ -179,6 +184,10 @@ impl Arguments {
         }
         let (given, usable) = (collected.frames, collected.views.len());
         let given = counted(given, "input");
+        let error = match suspects {
+            Some(text) => anyhow::anyhow!("{error}; {text}"),
+            None => error.into(),
+        };
         Err(error).with_context(|| format!("no calibration from {given}, {usable} of them usable"))
     }
 
@@ -202,4 +211,9 @@ impl Arguments {
             solved: None,
         }
     }
+}
+
+fn sentence(text: &str) -> String {
+    let (first, rest) = text.split_at(1);
+    format!("{}{rest}.", first.to_uppercase())
 }

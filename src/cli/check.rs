@@ -123,7 +123,8 @@ fn check_inputs(
         anyhow::bail!("{}: no such file or folder", path.display());
     }
     let inputs = arguments.reading.open(&arguments.inputs)?;
-    let detector = Detector::new(board, arguments.measuring.options());
+    let measuring = arguments.measuring.options(&board)?;
+    let detector = Detector::new(board, measuring);
     let rules = Rules {
         files: None,
         stream: arguments.collecting.rules.to_check(),

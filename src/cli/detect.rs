@@ -38,7 +38,7 @@ pub struct Arguments {
     /// What to print for each frame.
     #[arg(long, value_enum, default_value_t = Format::Text)]
     format: Format,
-    /// Also write a picture of what was found for each frame into this folder.
+    /// Also write a picture of what was found for each frame into this folder; never over an input.
     #[arg(long, value_name = "DIR")]
     overlay: Option<PathBuf>,
 }
@@ -57,11 +57,15 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
     let board = read_board(&arguments.board)?;
     let info = arguments.camera_info.as_deref().map(read_camera_file);
     let camera = info.transpose()?.map(|info| info.camera);
+    let measuring = arguments.measuring.options(&board)?;
     let inputs = arguments.reading.open(&arguments.inputs)?;
-    let detectors = Detectors::new(board, arguments.measuring.options(), camera);
+    let detectors = Detectors::new(board, measuring, camera);
+    let overlays = arguments.overlay;
+    let overlays = overlays.map(|folder| Overlays::new(folder, &inputs));
+    let overlays = overlays.transpose()?;
     let mut results = Results {
         format: arguments.format,
-        overlays: arguments.overlay.map(Overlays::new).transpose()?,
+        overlays,
         board: detectors.plain.board().clone(),
         warned_of: None,
         all: 0,

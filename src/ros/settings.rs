@@ -63,7 +63,7 @@ impl Settings {
             .map_err(|error| meaning("fixed", error.to_string()))?;
         if let ModelChoice::Fixed(model) = model {
             fixed
-                .in_model(model)
+                .suits(model)
                 .map_err(|error| meaning("fixed", error.to_string()))?;
         }
         let (min_views, max_views) = (count(values, "min_views"), count(values, "max_views"));

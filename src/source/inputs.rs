@@ -3,7 +3,7 @@
 use super::bag::{self, Bag, Topic, TopicError};
 use super::recorded::Recorded;
 use super::{SourceError, folder};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Image files, folders of them and bags, in the order given.
 #[derive(Debug)]
@@ -24,7 +24,8 @@ pub enum Item {
 #[derive(Debug)]
 enum Input {
     Image(PathBuf),
-    Folder(Vec<PathBuf>),
+    /// Its files, and what is left aside in it.
+    Folder(Vec<PathBuf>, Option<String>),
     Bag(Bag, Topic),
     Broken(PathBuf, SourceError),
 }
@@ -56,13 +57,25 @@ impl Inputs {
     pub fn frame_count(&self) -> Option<u64> {
         let count = |input: &Input| match input {
             Input::Image(_) | Input::Broken(..) => Some(1),
-            Input::Folder(files) => Some(files.len() as u64),
+            Input::Folder(files, _) => Some(files.len() as u64),
             Input::Bag(_, topic) => topic.messages,
         };
         self.inputs
             .iter()
             .map(count)
             .try_fold(0_u64, |sum, count| Some(sum.saturating_add(count?)))
+    }
+
+    /// The files that are read: image files, and whatever else was given that is no bag.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.inputs
+            .iter()
+            .flat_map(|input| match input {
+                Input::Image(path) | Input::Broken(path, _) => std::slice::from_ref(path),
+                Input::Folder(files, _) => files,
+                Input::Bag(..) => &[],
+            })
+            .map(PathBuf::as_path)
     }
 
     /// The frames of all inputs. Files are opened when the iterator comes to them; one message of a bag is in memory at a time.
@@ -86,7 +99,7 @@ impl Input {
             return Ok(Self::Image(path));
         }
         Ok(match folder::image_files(&path) {
-            Ok(files) => Self::Folder(files),
+            Ok(files) => Self::Folder(files, bags_left_aside(&path)),
             Err(error) => Self::Broken(path, error),
         })
     }
@@ -95,7 +108,10 @@ impl Input {
         let file = |path| Item::Frame(Recorded::file(path));
         match self {
             Self::Image(path) => Box::new(std::iter::once(path).map(file)),
-            Self::Folder(files) => Box::new(files.into_iter().map(file)),
+            Self::Folder(files, note) => {
+                let note = note.map(Item::Warning).into_iter();
+                Box::new(note.chain(files.into_iter().map(file)))
+            }
             Self::Broken(path, error) => {
                 let nothing = Recorded::nothing(path, error);
                 Box::new(std::iter::once(Item::Frame(nothing)))
@@ -103,6 +119,21 @@ impl Input {
             Self::Bag(bag, topic) => Box::new(of_bag(&bag, &topic)),
         }
     }
+}
+
+/// A folder of pictures that holds files of bags too.
+fn bags_left_aside(folder: &Path) -> Option<String> {
+    let (first, count) = bag::first_in_folder(folder)?;
+    let others = if count > 1 {
+        format!(" and {} more files of bags", count - 1)
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "{}: only its pictures are looked at; a bag in it is an input of its own: {}{others}",
+        folder.display(),
+        first.display()
+    ))
 }
 
 /// What is wrong with the bag, its frames, and where its files end early.

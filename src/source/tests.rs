@@ -152,3 +152,22 @@ fn a_bag_that_ends_early_warns_and_the_next_input_follows() {
     );
     assert_eq!(values(inputs).last(), Some(&Some(77)));
 }
+
+#[test]
+fn a_bag_among_pictures_is_left_aside_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    write_grey(&folder.path().join("a.png"), 7);
+    let items = |paths: &[PathBuf]| -> Vec<Item> {
+        let inputs = Inputs::open(paths.to_vec(), None).unwrap();
+        inputs.items().collect()
+    };
+    let path = folder.path().to_owned();
+    assert_eq!(items(std::slice::from_ref(&path)).len(), 1);
+    fs::write(path.join("drive.mcap"), "").unwrap();
+    let items = items(&[path]);
+    let [Item::Warning(text), Item::Frame(_)] = items.as_slice() else {
+        panic!("{items:?}");
+    };
+    assert!(text.contains("only its pictures"), "{text}");
+    assert!(text.ends_with("drive.mcap"), "{text}");
+}

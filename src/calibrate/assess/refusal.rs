@@ -68,7 +68,7 @@ fn advice(error: &CalibrateError, frames: FramesRead) -> Vec<String> {
         E::SingleRing => vec![format!(
             "Use a board of at least 2 x 2 rings, and {NEEDED_VIEWS} views or more."
         )],
-        E::Fixed(_) | E::QuarterTurns => {
+        E::Fixed(_) | E::GuessSize { .. } | E::QuarterTurns => {
             vec!["Change the options; the views are not at fault.".to_owned()]
         }
         E::BadRing { .. } | E::Label { .. } => vec![

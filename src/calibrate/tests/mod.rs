@@ -1,5 +1,6 @@
 //! The calibration against cameras that are known.
 
+mod held;
 mod lenses;
 mod outliers;
 mod sheet;

@@ -4,6 +4,7 @@ use crate::calibrate::{CalibrateOptions, Fixed, FixedError, ModelChoice, SheetOp
 use crate::camera::LensModel;
 use crate::centre::Estimator;
 use crate::source::read_camera_file;
+use clap::error::ErrorKind;
 use std::path::PathBuf;
 
 /// Options of the lens.
@@ -45,6 +46,10 @@ fn fixed_entry(entry: &str) -> Result<String, FixedError> {
     Fixed::from_entries([entry]).map(|_| entry.to_owned())
 }
 
+fn wrong_usage(error: FixedError) -> clap::Error {
+    clap::Error::raw(ErrorKind::ValueValidation, format!("--fix: {error}\n"))
+}
+
 impl LensArguments {
     /// The lens model asked for.
     pub fn model(&self) -> ModelChoice {
@@ -53,21 +58,14 @@ impl LensArguments {
 
     /// What the calibration is told, for centres of an estimator; of a model still to be chosen, the default one.
     pub fn options(&self, estimator: Estimator) -> anyhow::Result<CalibrateOptions> {
-        let mut entries = self.fix.clone();
-        let flags = [
-            (self.fix_principal_point, "principal_point"),
-            (self.fix_aspect_ratio, "aspect_ratio"),
-            (self.zero_tangent_dist, "tangential"),
-        ];
-        entries.extend(flags.iter().filter(|f| f.0).map(|f| f.1.to_owned()));
-        entries.extend(self.k_coefficients.map(|count| format!("radial={count}")));
+        let entries = self.entries();
         let guess = self.guess.as_deref().map(read_camera_file).transpose()?;
         let options = CalibrateOptions {
             model: match self.model {
                 ModelChoice::Fixed(model) => model,
                 ModelChoice::Auto => LensModel::default(),
             },
-            fixed: Fixed::from_entries(&entries)?,
+            fixed: Fixed::from_entries(&entries).map_err(wrong_usage)?,
             guess: guess.map(|info| info.camera),
             sheet: SheetOptions {
                 bow: self.bow,
@@ -76,8 +74,48 @@ impl LensArguments {
             estimator,
         };
         if let ModelChoice::Fixed(model) = self.model {
-            options.fixed.in_model(model)?;
+            options.fixed.suits(model).map_err(wrong_usage)?;
         }
         Ok(options)
+    }
+
+    /// Everything that is fixed, as for `--fix`.
+    fn entries(&self) -> Vec<String> {
+        let mut entries = self.fix.clone();
+        let flags = [
+            (self.fix_principal_point, "principal_point"),
+            (self.fix_aspect_ratio, "aspect_ratio"),
+            (self.zero_tangent_dist, "tangential"),
+        ];
+        entries.extend(flags.iter().filter(|f| f.0).map(|f| f.1.to_owned()));
+        entries.extend(self.k_coefficients.map(|count| format!("radial={count}")));
+        entries
+    }
+
+    /// What the user said that may have led to a refusal, where there is something, and what to do about it.
+    pub fn suspects(&self) -> Option<String> {
+        let entries: Vec<String> = self.entries().iter().map(|e| spaced(e)).collect();
+        let held = (!entries.is_empty()).then(|| {
+            format!(
+                "held: {} (--fix); let it go if it may be wrong",
+                entries.join(", ")
+            )
+        });
+        let guess = self.guess.as_ref().map(|path| {
+            format!(
+                "started from {} (--guess); leave it out if it may be wrong",
+                path.display()
+            )
+        });
+        let told: Vec<String> = held.into_iter().chain(guess).collect();
+        (!told.is_empty()).then(|| told.join("; "))
+    }
+}
+
+/// `cx=1000` as `cx = 1000`.
+fn spaced(entry: &str) -> String {
+    match entry.split_once('=') {
+        Some((name, value)) => format!("{} = {}", name.trim(), value.trim()),
+        None => entry.trim().to_owned(),
     }
 }

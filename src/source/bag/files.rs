@@ -84,6 +84,13 @@ pub fn is_bag(path: &Path) -> bool {
             && crate::source::folder::image_files(path).is_err()
 }
 
+/// The first file of a bag in a folder, and how many there are.
+pub fn first_in_folder(folder: &Path) -> Option<(PathBuf, usize)> {
+    let files = in_folder(folder).ok()?;
+    let count = files.len();
+    files.into_iter().next().map(|file| (file, count))
+}
+
 /// The files of a folder's bag in the order in which they were recorded, and those that metadata.yaml names and that are missing.
 ///
 /// A file that metadata.yaml does not name is part of the bag too, after the others: metadata.yaml may be older than the crash.

@@ -27,7 +27,7 @@ mod topic;
 mod zstd;
 
 pub use cdr::CdrError;
-pub use files::is_bag;
+pub use files::{first_in_folder, is_bag};
 pub use message::{ImageKind, ImageMessage, MessageError, RecordedFrame};
 pub use metadata::MetadataError;
 pub use storage::StorageError;

@@ -47,6 +47,10 @@ fn a_file_cut_anywhere_gives_what_it_holds_and_says_so() {
             let opened = Bag::open(&path).unwrap();
             let Ok(topic) = opened.topic(None) else {
                 assert_eq!(before, 0, "cut to {cut} bytes");
+                let [note] = opened.notes() else {
+                    panic!("cut to {cut} bytes: {:?}", opened.notes());
+                };
+                assert!(note.contains("the file is cut off"), "{note}");
                 continue;
             };
             let count = topic.messages.unwrap();

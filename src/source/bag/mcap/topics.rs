@@ -18,7 +18,7 @@ const LONGEST_SUMMARY_RECORD: usize = 16 << 20;
 /// The topics with images.
 ///
 /// # Errors
-/// Where the file cannot be opened, or is damaged before the first topic. Damaged later, it has the topics that come before.
+/// Where the file cannot be opened, or is damaged before the first image. Damaged later, it has the topics that come before.
 pub(in crate::source::bag) fn topics(file: &BagFile) -> Result<Vec<Topic>, StorageError> {
     let summary = if file.packed { None } else { summary(file) };
     match summary {
@@ -83,7 +83,7 @@ fn counted<R: Read>(mut records: Records<R>) -> Result<Vec<Topic>, StorageError>
         None::<()>
     });
     match end {
-        Some(Err(error)) if found.is_empty() => Err(error),
+        Some(Err(error)) if found.values().all(|topic| topic.messages == Some(0)) => Err(error),
         // the reading says it again, with the place
         _ => Ok(merged(found.into_values())),
     }

@@ -10,6 +10,7 @@ pub(crate) mod homography;
 mod parameters;
 mod plumb_bob;
 mod pose;
+mod radial_tangential;
 mod rational_polynomial;
 mod undistort;
 

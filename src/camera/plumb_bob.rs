@@ -1,5 +1,6 @@
 //! The radial and tangential lens model that ROS calls `plumb_bob` (paper equation 5, as mended).
 
+use super::radial_tangential::radial_tangential_jacobian;
 use super::undistort::undistort;
 use nalgebra::{Matrix2, Point2};
 
@@ -32,17 +33,10 @@ impl PlumbBob {
 
     /// Derivative of [`PlumbBob::distort`] with respect to the ideal point.
     pub fn jacobian(&self, ideal: &Point2<f64>) -> Matrix2<f64> {
-        let (x, y) = (ideal.x, ideal.y);
-        let r2 = x * x + y * y;
+        let r2 = ideal.coords.norm_squared();
         let radial = 1.0 + r2 * (self.k1 + r2 * (self.k2 + r2 * self.k3));
         let slope = self.k1 + r2 * (2.0 * self.k2 + 3.0 * r2 * self.k3);
-        let cross = 2.0 * x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
-        Matrix2::new(
-            radial + 2.0 * x * x * slope + 2.0 * self.p1 * y + 6.0 * self.p2 * x,
-            cross,
-            cross,
-            radial + 2.0 * y * y * slope + 6.0 * self.p1 * y + 2.0 * self.p2 * x,
-        )
+        radial_tangential_jacobian(ideal, (radial, slope), (self.p1, self.p2))
     }
 
     /// Derivative of the distorted point with respect to k1, k2, p1, p2, k3.

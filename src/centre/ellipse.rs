@@ -16,6 +16,11 @@ pub struct Ellipse {
 }
 
 impl Ellipse {
+    /// Radius of the circle of the same area, px.
+    pub fn mean_radius(&self) -> f64 {
+        (self.major * self.minor).sqrt()
+    }
+
     /// The symmetric matrix E with (x, y, 1) E (x, y, 1)^T = 0 on the ellipse and negative inside (paper equation 26).
     pub fn conic(&self) -> Matrix3<f64> {
         let (sin, cos) = self.angle.sin_cos();

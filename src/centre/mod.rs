@@ -31,5 +31,12 @@ pub struct RingEllipses {
     pub outer: Ellipse,
 }
 
+impl RingEllipses {
+    /// Width of the ring between its circles, px.
+    pub fn width(&self) -> f64 {
+        self.outer.mean_radius() - self.inner.mean_radius()
+    }
+}
+
 #[cfg(test)]
 mod tests;

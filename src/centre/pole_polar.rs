@@ -12,7 +12,7 @@ impl CentreEstimator for PolePolar {
     fn estimate(&self, ring: &RingEllipses) -> Result<Centre, CentreError> {
         // coordinates in which the outer ellipse is about the unit circle keep the matrices well scaled
         let origin = ring.outer.centre;
-        let scale = (ring.outer.major * ring.outer.minor).sqrt();
+        let scale = ring.outer.mean_radius();
         let to_px = Matrix3::new(scale, 0.0, origin.x, 0.0, scale, origin.y, 0.0, 0.0, 1.0);
         let small = to_px.transpose() * ring.inner.conic() * to_px;
         let big = to_px.transpose() * ring.outer.conic() * to_px;

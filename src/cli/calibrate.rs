@@ -65,10 +65,7 @@ pub fn run(arguments: Arguments) -> anyhow::Result<()> {
         !board.is_single(),
         "a board of a single ring cannot calibrate a camera, at least 2 x 2 rings are needed"
     );
-    if let Some(path) = arguments.inputs.iter().find(|path| !path.exists()) {
-        anyhow::bail!("{}: no such file or folder", path.display());
-    }
-    let inputs = arguments.reading.open(&arguments.inputs)?;
+    let inputs = arguments.reading.open_existing(&arguments.inputs)?;
     let options = arguments.lens.options(arguments.measuring.estimator)?;
     let measuring = arguments.measuring.options(&board)?;
     std::fs::create_dir_all(&arguments.output)

@@ -119,10 +119,7 @@ fn check_inputs(
         !board.is_single(),
         "a board of a single ring tells nothing about a camera, at least 2 x 2 rings are needed"
     );
-    if let Some(path) = arguments.inputs.iter().find(|path| !path.exists()) {
-        anyhow::bail!("{}: no such file or folder", path.display());
-    }
-    let inputs = arguments.reading.open(&arguments.inputs)?;
+    let inputs = arguments.reading.open_existing(&arguments.inputs)?;
     let measuring = arguments.measuring.options(&board)?;
     let detector = Detector::new(board, measuring);
     let rules = Rules {

@@ -13,10 +13,21 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Opens all inputs.
+    /// Opens inputs that all have to be there.
     ///
     /// # Errors
-    /// A path where nothing is, a bag in which the topic is not clear, a topic where there is no bag.
+    /// A path where nothing is, and as of [`Reading::open`].
+    pub fn open_existing(&self, paths: &[PathBuf]) -> anyhow::Result<Inputs> {
+        if let Some(path) = paths.iter().find(|path| !path.exists()) {
+            anyhow::bail!("{}: no such file or folder", path.display());
+        }
+        self.open(paths)
+    }
+
+    /// Opens all inputs; one where nothing is becomes a frame that cannot be read.
+    ///
+    /// # Errors
+    /// A bag in which the topic is not clear, a topic where there is no bag.
     pub fn open(&self, paths: &[PathBuf]) -> anyhow::Result<Inputs> {
         let inputs = Inputs::open(paths.iter().cloned(), self.topic.as_deref())?;
         anyhow::ensure!(

@@ -119,8 +119,7 @@ const MOST_SHRINKAGE: f64 = 0.33;
 /// Whether two ellipses can be the circles of one ring: nested, alike in shape, and their sizes in the board's `ratio`,
 /// less what blur takes from it and within the factor `slack` above it.
 pub(super) fn looks_concentric(ring: &RingEllipses, ratio: f64, slack: f64) -> bool {
-    let size = |e: &Ellipse| (e.major * e.minor).sqrt();
-    let (inner, outer) = (size(&ring.inner), size(&ring.outer));
+    let (inner, outer) = (ring.inner.mean_radius(), ring.outer.mean_radius());
     let found = inner / outer;
     let aspects = (ring.inner.minor / ring.inner.major) / (ring.outer.minor / ring.outer.major);
     let apart = (ring.inner.centre - ring.outer.centre).norm();

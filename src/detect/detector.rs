@@ -13,8 +13,8 @@ use super::single::find_single;
 use super::whole::find_whole;
 use crate::board::{Board, Polarity};
 use crate::camera::Camera;
+use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
-use crate::centre::{Ellipse, Estimator};
 use crate::frame::Frame;
 
 /// How to look for a board.
@@ -188,11 +188,10 @@ fn are_rings(rings: &[Ring]) -> Result<(), Miss> {
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    let width = |ring: &Ring| {
-        let size = |ellipse: &Ellipse| (ellipse.major * ellipse.minor).sqrt();
-        size(&ring.ellipses.outer) - size(&ring.ellipses.inner)
-    };
-    let (sigma_px, width_px) = (median(|ring| ring.blur_sigma_px), median(width));
+    let (sigma_px, width_px) = (
+        median(|ring| ring.blur_sigma_px),
+        median(|ring| ring.ellipses.width()),
+    );
     if sigma_px > HEAVY * width_px {
         return Err(Miss::TooBlurred { sigma_px, width_px });
     }

@@ -33,8 +33,6 @@ pub(super) struct Grid {
     pub(super) indices: Indices,
     /// Rings of another board in the same frame.
     pub(super) another: Option<usize>,
-    /// Whether a row or column of rings stands beside those that were taken for the board's.
-    pub(super) goes_on: bool,
 }
 
 /// Finds the board among the rings of a frame: of several the one that looks largest.
@@ -45,6 +43,44 @@ pub(super) fn find_grid(
     sign: f64,
     options: &DetectOptions,
 ) -> Result<Grid, Miss> {
+    let (measured, another) = measured(frame, board, rings, sign, options)?;
+    let (rings, indices) = measured.verdict(options.required)?;
+    Ok(Grid {
+        rings,
+        indices,
+        another,
+    })
+}
+
+/// The same among some of the rings of a frame: `None` where a row or column of further ones stands beside those that would be the
+/// board's.
+pub(super) fn find_grid_among(
+    frame: &Frame,
+    board: &Board,
+    rings: &[RingFit],
+    sign: f64,
+    options: &DetectOptions,
+) -> Option<Grid> {
+    let (measured, another) = measured(frame, board, rings, sign, options).ok()?;
+    if measured.goes_on() {
+        return None;
+    }
+    let (rings, indices) = measured.verdict(options.required).ok()?;
+    Some(Grid {
+        rings,
+        indices,
+        another,
+    })
+}
+
+/// The lattice that looks most like the board, its missing rings looked for, and the rings of another board.
+fn measured<'a>(
+    frame: &'a Frame,
+    board: &'a Board,
+    rings: &[RingFit],
+    sign: f64,
+    options: &DetectOptions,
+) -> Result<(Measured<'a>, Option<usize>), Miss> {
     if rings.is_empty() {
         return Err(Miss::NoRing);
     }
@@ -69,22 +105,12 @@ pub(super) fn find_grid(
         Care::of(options.estimator),
     );
     measured.complete();
-    let goes_on = measured.goes_on();
-    let (rings, indices) = measured.verdict(options.required)?;
-    Ok(Grid {
-        rings,
-        indices,
-        another,
-        goes_on,
-    })
+    Ok((measured, another))
 }
 
 /// Mean size of a lattice's rings, px.
 fn size_px(lattice: &Lattice, outers: &[Ellipse]) -> f64 {
-    let sizes = lattice
-        .members
-        .values()
-        .map(|&at| (outers[at].major * outers[at].minor).sqrt());
+    let sizes = lattice.members.values().map(|&at| outers[at].mean_radius());
     sizes.sum::<f64>() / lattice.members.len() as f64
 }
 
@@ -218,8 +244,8 @@ impl<'a> Measured<'a> {
     /// The two ellipses of a measured ring.
     fn ellipses(&self, label: Label, ring: &RingFit) -> Option<RingEllipses> {
         let mut ellipses = self.predicted_ellipses(label)?;
-        let size = |e: &Ellipse| (e.major * e.minor).sqrt();
-        let alike = (size(&ring.outer) / size(&ellipses.outer)).ln().abs() < ALIKE;
+        let relative = ring.outer.mean_radius() / ellipses.outer.mean_radius();
+        let alike = relative.ln().abs() < ALIKE;
         if let Some(inner) = ring.inner.filter(|_| alike) {
             return Some(RingEllipses {
                 inner,

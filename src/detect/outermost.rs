@@ -11,7 +11,7 @@ use super::detection::{Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::{Grid, Placed};
 use crate::board::Board;
-use crate::centre::{Ellipse, Estimator};
+use crate::centre::Estimator;
 use crate::frame::Frame;
 
 /// A line is in doubt where fewer than this fraction of its rings showed edges.
@@ -213,9 +213,7 @@ fn is_unmeasured(board: &Board, line: Line, rings: &[Ring]) -> bool {
 
 /// Whether a ring's blur is so heavy that its edges are not where they seem to be.
 fn is_drowned(ring: &Ring) -> bool {
-    let size = |ellipse: &Ellipse| (ellipse.major * ellipse.minor).sqrt();
-    let width = size(&ring.ellipses.outer) - size(&ring.ellipses.inner);
-    ring.blur_sigma_px > DROWNED * width
+    ring.blur_sigma_px > DROWNED * ring.ellipses.width()
 }
 
 /// Whether so many rings of a line (and one at least) have grey values like those of the rings elsewhere.

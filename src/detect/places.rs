@@ -123,8 +123,7 @@ impl Places {
             })
         });
         // where the lens bends much the homography's horizon comes near, and its circles grow beyond bounds
-        let size = |e: &Ellipse| (e.major * e.minor).sqrt();
-        let alike = |e: &Ellipse| (size(e) / size(&small)).ln().abs() < ALIKE;
+        let alike = |e: &Ellipse| (e.mean_radius() / small.mean_radius()).ln().abs() < ALIKE;
         Some(exact.filter(alike).unwrap_or(small))
     }
 

@@ -34,7 +34,7 @@ pub(super) fn is_plausible(
             return false;
         };
         bent += ((ring.outer.centre - place.at).norm() / place.step_px()).powi(2);
-        let size_px = (ring.outer.major * ring.outer.minor).sqrt();
+        let size_px = ring.outer.mean_radius();
         sizes.push((size_px / (expected * (place.column_px * place.row_px).sqrt())).ln());
     }
     let count = rings.len() as f64;

@@ -107,7 +107,7 @@ fn first_to_measure(board: &Board, outers: &[Ellipse]) -> Vec<usize> {
 
 /// Keeps the best of the rings that lie on one another (a ring shows at two or three levels).
 fn distinct(mut rings: Vec<RingFit>) -> Vec<RingFit> {
-    let quality = |r: &RingFit| r.stray_px / (r.outer.major * r.outer.minor).sqrt();
+    let quality = |r: &RingFit| r.stray_px / r.outer.mean_radius();
     rings.sort_by(|a, b| quality(a).total_cmp(&quality(b)));
     let mut kept: Vec<RingFit> = Vec::new();
     for ring in rings {
@@ -123,9 +123,8 @@ const SAME_PLACE: f64 = 0.2;
 const SAME_SIZE: f64 = 0.25;
 
 fn is_same(a: &Ellipse, b: &Ellipse) -> bool {
-    let size = |e: &Ellipse| (e.major * e.minor).sqrt();
     (a.centre - b.centre).norm() < SAME_PLACE * a.minor
-        && (size(a) / size(b)).ln().abs() < SAME_SIZE
+        && (a.mean_radius() / b.mean_radius()).ln().abs() < SAME_SIZE
 }
 
 fn overlap(a: &RingFit, b: &RingFit) -> bool {

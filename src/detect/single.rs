@@ -166,7 +166,7 @@ fn placed(fit: &RingFit, ratio: f64) -> Placed {
 
 fn detection(frame: &Frame, board: &Board, ring: Ring, photometric: Option<Measured>) -> Detection {
     let outer = ring.ellipses.outer;
-    let scale = (outer.major * outer.minor).sqrt() / board.outer_radius_m();
+    let scale = outer.mean_radius() / board.outer_radius_m();
     let (x, y) = (ring.centre.point.x, ring.centre.point.y);
     Detection {
         width: frame.width(),

@@ -5,7 +5,7 @@
 //! decided here, and the whole frame is searched at all levels (`rings`).
 
 use super::detector::DetectOptions;
-use super::grid::{Grid, find_grid};
+use super::grid::{Grid, find_grid_among};
 use super::labelling::{Lattice, extent, lattices};
 use super::ring_fit::{Care, RingFit, measure};
 use super::rings::spots;
@@ -40,8 +40,7 @@ pub(super) fn find_whole(
         }
         tried = members.len();
         let grid = measured(scales, board, options, &spots, &members);
-        let whole = |grid: &Grid| grid.rings.len() >= wanted && !grid.goes_on;
-        if grid.as_ref().is_some_and(whole) {
+        if grid.as_ref().is_some_and(|grid| grid.rings.len() >= wanted) {
             return grid;
         }
     }
@@ -85,5 +84,5 @@ fn measured(
             fits.next()
         })
         .collect();
-    find_grid(scales.frame, board, &rings, sign, options).ok()
+    find_grid_among(scales.frame, board, &rings, sign, options)
 }

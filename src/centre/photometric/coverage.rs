@@ -98,28 +98,21 @@ impl Coverage {
         if psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA {
             return None;
         }
-        self.clear(grid, None, true);
-        for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
-            trace(
-                &mut self.nodes,
-                grid,
-                shape,
-                radius,
-                spacing(psf, kernel_size),
-            )?;
-            resweep(&mut self.nodes, grid, shape.centre, slope);
-            self.lay(
-                grid,
-                (psf, kernel_size),
-                circle,
-                Some(contrasts[circle] as f32),
-            );
-        }
-        Some(())
+        self.fill_displaced(
+            grid,
+            blur,
+            (ratio, contrasts),
+            #[inline(always)]
+            |radius, spacing, nodes| {
+                trace(nodes, grid, shape, radius, spacing)?;
+                resweep(nodes, grid, shape.centre, slope);
+                Some(())
+            },
+        )
     }
 
-    /// What outlines change where they are displaced, as the first of the changes: `nodes_of` traces the circle of a radius (outer radii), its
-    /// nodes at most so far apart, with the displacement in their first sweep. The blur must not be sharp.
+    /// What outlines change where they are displaced: `nodes_of` traces the circle of a radius (outer radii), its nodes at most so far apart,
+    /// each with displacements in its sweeps; what the first of them changes is the first of the changes, and so on. The blur must not be sharp.
     #[inline(always)]
     pub(super) fn fill_displaced(
         &mut self,

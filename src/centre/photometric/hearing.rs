@@ -153,7 +153,7 @@ pub(super) fn hear(
             }
         }
     };
-    let size_px = (place.outline.major * place.outline.minor).sqrt();
+    let size_px = place.outline.mean_radius();
     let light = |fitted: RingFitted| fitted.model.blur.sigma_px() < LIGHT * size_px;
     let settled = sharp || both.likelier().ok().and_then(gated).is_some_and(light);
     let both = if settled || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
@@ -171,7 +171,7 @@ fn with_large_disc(known: &Known, seen: &Shape, both: Both, room: &mut Workspace
     let Some(outline) = seen.ellipse(1.0) else {
         return both;
     };
-    let seen_px = (outline.major * outline.minor).sqrt();
+    let seen_px = outline.mean_radius();
     let tried = LARGE_SIZES.iter().flat_map(|size| {
         let discs = LARGE_DISCS.iter();
         discs.map(move |disc| (seen.scaled(*size), Blur::disc(disc * size * seen_px)))

@@ -157,7 +157,7 @@ fn fit_starts(
 
 /// Starts near an outline, the most promising first, no two of them alike.
 fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingModel> {
-    let seen_px = size(&ring.seen.outline);
+    let seen_px = ring.seen.outline.mean_radius();
     let sharp = ring.sigma_px < SHARP * ring.seen.ratio * ring.seen.outline.minor;
     let seen_blurs = BLURS.iter().map(|factor| factor * ring.sigma_px.max(0.3));
     let (sizes, blurs): (&[f64], Vec<f64>) = if sharp {
@@ -189,16 +189,15 @@ fn has_contrast(sign: f64, model: &RingModel) -> bool {
     sign * (model.paper - model.ring) > 0.0 && sign * (model.inside - model.ring) > 0.0
 }
 
-fn size(ellipse: &Ellipse) -> f64 {
-    (ellipse.major * ellipse.minor).sqrt()
-}
-
 /// The fit, where it is the ring that was seen.
 pub(super) fn gate(seen: &Seen, fitted: RingFitted) -> Result<RingFitted, RingError> {
     let outer = &seen.outline;
     let model = &fitted.model;
     let contrast = seen.sign * (model.paper - model.ring);
-    let relative = model.shape.ellipse(1.0).map(|e| size(&e) / size(outer));
+    let relative = model
+        .shape
+        .ellipse(1.0)
+        .map(|e| e.mean_radius() / outer.mean_radius());
     let what = if (model.shape.centre - outer.centre).norm() > FARTHEST * outer.minor {
         "its centre is elsewhere"
     } else if !relative.is_some_and(|s| s > SIZES_SEEN.0 && s < SIZES_SEEN.1) {

@@ -96,7 +96,7 @@ impl Surroundings {
     pub(super) fn of(fitted: &RingFitted, grid: &Grid) -> Option<Self> {
         let shape = fitted.model.shape;
         let outer = shape.ellipse(1.0)?;
-        let radius_px = (outer.major * outer.minor).sqrt();
+        let radius_px = outer.mean_radius();
         let sigma_px = fitted.model.blur.sigma_px();
         let layer_px = (LAYER_SIGMAS * sigma_px).max(LEAST_LAYER_PIXELS * grid.pixel_px);
         Some(Self {

@@ -1,7 +1,7 @@
 //! The Cramer-Rao bound: how well a ring's centre can be known at all.
 
-use super::fit::{BLUR_PRIOR, freeze, inverse_of};
-use super::model::{BLUR, RingModel};
+use super::fit::{BLUR_PRIOR, freeze, shape_of_inverse};
+use super::model::{BLUR, PARAMETERS, RingModel};
 use super::problem::{Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::window::Window;
@@ -28,6 +28,6 @@ pub fn cramer_rao_bound(
     if perspective_known {
         (SHAPE_PARAMETERS - 2..SHAPE_PARAMETERS).for_each(|k| freeze(&mut matrix, k));
     }
-    let inverse = inverse_of(&matrix)?;
-    Some(Matrix2::from_fn(|i, j| inverse[(i, j)] * noise * noise))
+    let inverse = shape_of_inverse::<PARAMETERS>(&matrix)?;
+    Some(inverse.fixed_view::<2, 2>(0, 0) * noise * noise)
 }

@@ -2,11 +2,12 @@
 //! changes with the ring's parameters.
 //!
 //! Every node of an outline (`boundary`) lays a stamp on the pixels that its kernel reaches: `gaussian` and `disc` know the
-//! stamps, `stamps` lays those of a Gaussian.
+//! stamps, `stamps` lays those of a Gaussian. Where blur is small against the circle, closed forms are faster: `sharp`, `disc_edge`.
 
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
 use super::disc::Disc;
+use super::disc_edge::{DiscEdge, DiscRow};
 use super::gaussian::{Gaussian, LEAST_SIGMA};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::sharp::{self, SharpCircle};
@@ -41,6 +42,7 @@ pub(super) struct Coverage {
     nodes: Vec<Node>,
     gaussian: Gaussian,
     disc: Disc,
+    disc_row: DiscRow,
     room: Room,
 }
 
@@ -65,6 +67,14 @@ impl Coverage {
             if let Some(sharp) = sharp.flatten() {
                 let planes = (&mut self.circles[circle], &mut self.changes);
                 sharp.cover(grid, planes, contrast);
+                continue;
+            }
+            let edge = (psf == Psf::Disc)
+                .then(|| DiscEdge::new(grid, shape, radius, kernel_size))
+                .flatten();
+            if let Some(edge) = edge {
+                let planes = (&mut self.circles[circle], &mut self.changes);
+                edge.cover(grid, &mut self.disc_row, planes, contrast);
                 continue;
             }
             trace(

@@ -3,7 +3,7 @@
 //! Derivatives cost several times what values cost, and near the end they hardly change. So once a step is short against the
 //! blur, the next ones are made with the derivatives that are there, as long as the steps shrink.
 
-use super::model::{BLUR, Matrix, PARAMETERS, RingModel, SHEET, Vector};
+use super::model::{BLUR, Matrix, PARAMETERS, RING_PARAMETERS, RingModel, SHEET, Vector};
 use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::sheet::EDGE_PARAMETERS;
@@ -14,6 +14,8 @@ use nalgebra::{Matrix2, SMatrix, SVector};
 const STEPS: usize = 250;
 /// The last step is one of less than this many standard deviations squared: its own error is far less.
 const LAST_STEP: f64 = 0.05;
+/// Steps at most of a fit that only has to show what stands around a ring, and its last one.
+const ROUGH: (usize, f64) = (8, 1.0);
 /// The model's own arithmetic is no better than this, (light at full scale 1)^2.
 const LEAST_VARIANCE: f64 = 1e-9;
 /// Damping at the start, and how it changes.
@@ -137,6 +139,29 @@ pub fn fit(known: &Known, start: &RingModel, room: &mut Workspace) -> Result<Rin
     Fit::run(&problem, &first.model, given, room)
 }
 
+/// A fit for its residuals: it need not arrive, only come near enough to tell a ring from what stands around it.
+///
+/// # Errors
+/// [`FitError`] where the pixels are too few or determine no ring.
+pub(super) fn fit_roughly(
+    known: &Known,
+    start: &RingModel,
+    noise: f64,
+    room: &mut Workspace,
+) -> Result<RingFitted, FitError> {
+    let problem = Problem {
+        window: known.window,
+        ratio: known.ratio,
+        around: known.around,
+        noise,
+    };
+    let mut fit = Fit::begin(&problem, start, known.given, room)?;
+    match fit.descend(ROUGH) {
+        Err(FitError::NotConverged { .. }) => fit.finish(),
+        done => done,
+    }
+}
+
 /// A fit under way.
 struct Fit<'a, 'b> {
     problem: &'b Problem<'a>,
@@ -149,19 +174,28 @@ struct Fit<'a, 'b> {
     pixels: usize,
 }
 
-impl Fit<'_, '_> {
+impl<'a, 'b> Fit<'a, 'b> {
     fn run(
-        problem: &Problem,
+        problem: &'b Problem<'a>,
         start: &RingModel,
         given: Given,
-        room: &mut Workspace,
+        room: &'b mut Workspace,
     ) -> Result<RingFitted, FitError> {
+        Self::begin(problem, start, given, room)?.descend((STEPS, LAST_STEP))
+    }
+
+    fn begin(
+        problem: &'b Problem<'a>,
+        start: &RingModel,
+        given: Given,
+        room: &'b mut Workspace,
+    ) -> Result<Self, FitError> {
         let pixels = problem.window.count() + problem.window.censored.len();
         if pixels < 2 * PARAMETERS {
             return Err(FitError::TooFewPixels { pixels });
         }
         let normal = room.normal(problem, start).ok_or(FitError::Undetermined)?;
-        let mut fit = Fit {
+        Ok(Fit {
             problem,
             room,
             start: *start,
@@ -173,8 +207,7 @@ impl Fit<'_, '_> {
             },
             given,
             pixels,
-        };
-        fit.descend()
+        })
     }
 
     fn variance(&self) -> f64 {
@@ -182,13 +215,14 @@ impl Fit<'_, '_> {
         self.normal.squares.max(f64::MIN_POSITIVE) / free as f64
     }
 
-    fn descend(&mut self) -> Result<RingFitted, FitError> {
+    /// Steps down until one would gain less than `last` variances, `steps` at most.
+    fn descend(&mut self, (steps, last): (usize, f64)) -> Result<RingFitted, FitError> {
         let (mut fresh, mut gained) = (true, f64::INFINITY);
         let mut undamped = false;
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             let step = self.step().ok_or(FitError::Undetermined)?;
             let gain = step.dot(&self.normal.gradient);
-            let settled = gain < LAST_STEP * self.variance().max(LEAST_VARIANCE);
+            let settled = gain < last * self.variance().max(LEAST_VARIANCE);
             if settled && self.damping > 0.0 && !undamped {
                 // damping hides how far it still is along what the pixels hardly determine
                 (self.damping, undamped) = (0.0, true);
@@ -241,7 +275,7 @@ impl Fit<'_, '_> {
                 _ => self.damp(),
             }
         }
-        Err(FitError::NotConverged { steps: STEPS })
+        Err(FitError::NotConverged { steps })
     }
 
     fn damp(&mut self) {
@@ -267,13 +301,12 @@ impl Fit<'_, '_> {
             freeze(&mut matrix, BLUR);
             gradient[BLUR] = 0.0;
         }
-        let scales = scales_of(&matrix);
-        let mut scaled = scaled_by(&matrix, &scales);
-        for k in 0..PARAMETERS {
-            scaled[(k, k)] *= 1.0 + self.damping;
+        let damping = 1.0 + self.damping;
+        if self.start.sheet.is_none() {
+            solved::<RING_PARAMETERS>(&matrix, &gradient, damping)
+        } else {
+            solved::<PARAMETERS>(&matrix, &gradient, damping)
         }
-        let step = scaled.cholesky()?.solve(&gradient.component_mul(&scales));
-        Some(step.component_mul(&scales))
     }
 
     /// The normal matrix of what is free.
@@ -313,8 +346,12 @@ impl Fit<'_, '_> {
 
     fn finish(&mut self) -> Result<RingFitted, FitError> {
         let variance = self.variance();
-        let inverse = inverse_of(&self.matrix()).ok_or(FitError::Undetermined)?;
-        let mut covariance = ShapeCovariance::from_fn(|i, j| inverse[(i, j)] * variance);
+        let inverse = if self.start.sheet.is_none() {
+            shape_of_inverse::<RING_PARAMETERS>(&self.matrix())
+        } else {
+            shape_of_inverse::<PARAMETERS>(&self.matrix())
+        };
+        let mut covariance = inverse.ok_or(FitError::Undetermined)? * variance;
         if self.given == Given::Shape {
             (FIRST_GIVEN..FIRST_GIVEN + GIVEN).for_each(|k| covariance[(k, k)] = 0.0);
         }
@@ -343,16 +380,36 @@ pub(super) fn freeze(matrix: &mut Matrix, k: usize) {
 }
 
 /// What makes the diagonal one: parameters differ in their units by many powers of ten.
-fn scales_of(matrix: &Matrix) -> Vector {
-    Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip())
+fn scales_of<const N: usize>(matrix: &Matrix) -> SVector<f64, N> {
+    SVector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip())
 }
 
-fn scaled_by(matrix: &Matrix, scales: &Vector) -> Matrix {
-    Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j])
+/// The part of a matrix that belongs to the first N parameters, scaled.
+fn scaled_by<const N: usize>(matrix: &Matrix, scales: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+    SMatrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j])
 }
 
-pub(super) fn inverse_of(matrix: &Matrix) -> Option<Matrix> {
-    let scales = scales_of(matrix);
-    let inverse = scaled_by(matrix, &scales).cholesky()?.inverse();
-    Some(scaled_by(&inverse, &scales))
+/// The step of the first N parameters, with the diagonal times `damping`; the others stay.
+fn solved<const N: usize>(matrix: &Matrix, gradient: &Vector, damping: f64) -> Option<Vector> {
+    let scales = scales_of::<N>(matrix);
+    let mut scaled = scaled_by(matrix, &scales);
+    for k in 0..N {
+        scaled[(k, k)] *= damping;
+    }
+    let right = SVector::<f64, N>::from_fn(|k, _| gradient[k] * scales[k]);
+    let solution = scaled.cholesky()?.solve(&right);
+    Some(Vector::from_fn(|k, _| {
+        if k < N { solution[k] * scales[k] } else { 0.0 }
+    }))
+}
+
+/// The inverse of the part that belongs to the first N parameters, as far as it is the shape's.
+pub(super) fn shape_of_inverse<const N: usize>(matrix: &Matrix) -> Option<ShapeCovariance> {
+    let scales = scales_of::<N>(matrix);
+    let factor = scaled_by(matrix, &scales).cholesky()?;
+    let units = SMatrix::<f64, N, SHAPE_PARAMETERS>::identity();
+    let columns = factor.solve(&units);
+    Some(ShapeCovariance::from_fn(|i, j| {
+        columns[(i, j)] * scales[i] * scales[j]
+    }))
 }

@@ -27,6 +27,7 @@ mod choice;
 mod corner;
 mod coverage;
 mod disc;
+mod disc_edge;
 mod fit;
 mod gamma;
 mod gaussian;

@@ -2,7 +2,7 @@
 
 use super::around::around;
 use super::board::{BoardPlace, BoardStart};
-use super::fit::{FitError, Given, Known, RingFitted};
+use super::fit::{FitError, Given, Known, RingFitted, fit_roughly};
 use super::jury::Verdict;
 use super::model::RingModel;
 use super::plane::PlaneView;
@@ -124,7 +124,7 @@ impl Under {
                 window: &alone,
                 ..known
             };
-            on_own.fit_with(&first.model, psf, room).unwrap_or(first)
+            fit_roughly(&on_own, &first.model, first.noise, room).unwrap_or(first)
         };
         let end = view
             .filter(|_| first.model.sheet.is_none())

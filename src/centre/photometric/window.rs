@@ -1,6 +1,5 @@
 //! The pixels a ring is fitted to: a rectangle of the frame, linearised, and binned where the blur allows it.
 
-use super::coverage::LANES;
 use super::gram::WIDEST;
 use crate::frame::{Frame, Linear, Pixel, Pixels, Plane};
 
@@ -32,7 +31,7 @@ impl Grid {
 
     /// Pixels from one row to the next in a window's buffers: rows are padded to whole vectors, the widest there are.
     pub(super) fn stride(&self) -> usize {
-        (self.width + LANES).next_multiple_of(WIDEST)
+        self.width.next_multiple_of(WIDEST)
     }
 }
 

@@ -27,6 +27,7 @@ mod choice;
 mod corner;
 mod coverage;
 mod disc;
+mod fan;
 mod fit;
 mod gamma;
 mod gaussian;

@@ -1,7 +1,7 @@
 //! What a calibration is worth: good, usable or not enough, by written rules, and the sentence that says why.
 //!
 //! Each [`Criterion`] is one number with two limits, and the calibration is worth as much as the worst of them. A small
-//! residual alone proves nothing, so it is one number of six. docs/report.md explains the limits to those who use them.
+//! residual alone proves nothing, so it is one number of seven. docs/report.md explains the limits to those who use them.
 
 mod criterion;
 mod refusal;
@@ -9,7 +9,7 @@ mod refusal;
 pub use criterion::{Criterion, Rule};
 pub use refusal::{FramesRead, refused};
 
-use super::{CalibrateError, Calibration, CrossValidation, LeftOut, MAP_CELLS, Range};
+use super::{CalibrateError, Calibration, Change, CrossValidation, LeftOut, MAP_CELLS, Range};
 use crate::session::{Coverage, View};
 use nalgebra::Point2;
 use std::fmt;
@@ -61,6 +61,8 @@ pub struct Facts {
     pub left_out_rms_px: Option<f64>,
     /// Part of the measured rings that contradict the others, 0 to 1.
     pub contradicting: f64,
+    /// A change of the focal length between the views, beyond chance.
+    pub change: Option<Change>,
 }
 
 impl Facts {
@@ -96,6 +98,7 @@ impl Facts {
             noise_px,
             left_out_rms_px: validated.ok().map(|v| v.rms_px),
             contradicting: contradicting(calibration),
+            change: calibration.change,
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::roll::LeftOut;
 use super::shared::SheetShape;
+use super::steady::Change;
 use super::uncertainty::{Covariance, deviations};
 use crate::camera::{Camera, Pose};
 use nalgebra::{DMatrix, Vector2};
@@ -31,6 +32,8 @@ pub struct Calibration {
     pub fixed: Vec<&'static str>,
     /// Iterations of the last adjustment.
     pub iterations: usize,
+    /// A change of the focal length between the views, where there is one beyond chance.
+    pub change: Option<Change>,
     pub(super) uncertain: Covariance,
 }
 

@@ -7,7 +7,8 @@
 //! 4. `roll` leaves out rings and views that contradict the solution, and 3 is repeated until nothing changes.
 //! 5. The covariance of the parameters is that of least squares (`uncertainty`); views that leave the camera open are refused
 //!    (`observability`), however small their residuals are.
-//! 6. What the result is worth, as one word and a sentence, is `assess`'s to say, by written rules.
+//! 6. Whether one focal length served all views is `steady`'s question.
+//! 7. What the result is worth, as one word and a sentence, is `assess`'s to say, by written rules.
 
 mod adjust;
 mod assess;
@@ -33,6 +34,7 @@ mod roll;
 mod shared;
 mod solve;
 mod start_homography;
+mod steady;
 mod uncertainty;
 mod zhang;
 
@@ -48,6 +50,7 @@ pub use options::{CalibrateOptions, ModelChoice, SheetOptions};
 pub use resect::{Known, Resection, resect};
 pub use roll::LeftOut;
 pub use shared::{SHEET_NAMES, SheetShape};
+pub use steady::{Change, When};
 pub use uncertainty::Range;
 pub use zhang::{focal_length_px, plane_normal, pose};
 

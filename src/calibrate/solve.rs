@@ -6,7 +6,9 @@ use super::observations::Observation;
 use super::roll::{Roll, residual_px};
 use super::shared::{Free, Shared, SheetShape};
 use super::uncertainty::Covariance;
-use super::{CalibrateError, CalibrateOptions, NEEDED_VIEWS, guess, observability, observed};
+use super::{
+    CalibrateError, CalibrateOptions, NEEDED_VIEWS, guess, observability, observed, steady,
+};
 use crate::board::Board;
 use crate::camera::{Camera, Pose};
 use crate::session::View;
@@ -228,6 +230,13 @@ pub(super) fn conclude(
         .collect();
     let active = roll.active();
     let place = |at: usize| active.binary_search(&at).ok();
+    let change = steady::change(
+        &adjusted.equations,
+        &inverse,
+        (&shared, &free),
+        (&active, &adjusted.solution.poses),
+        roll.variance(variance_factor),
+    );
     let calibration = Calibration {
         camera,
         sheet: shared.sheet,
@@ -237,6 +246,7 @@ pub(super) fn conclude(
         covariance: all.select_rows(&chosen).select_columns(&chosen),
         fixed,
         iterations: adjusted.iterations,
+        change,
         uncertain: Covariance {
             inverse,
             camera: camera_places(&camera, &free),

@@ -2,7 +2,9 @@
 //!
 //! The first pass takes a ring's perspective from a smooth map through the centres of its own view; the camera knows it from all
 //! views. Where a view has kept a ring's pixels they are fitted again with the camera's shape; where it has kept the fit
-//! alone, the centre moves as the fit's covariance says. What the lens's bends have moved is moved back. Calibrate, refine, calibrate: two passes are enough.
+//! alone, the centre moves as the fit's covariance says. What the lens's bends have moved is moved back. Calibrate, refine, calibrate: mostly
+//! two passes are enough. Where the second camera is another than the first by more than noise, its shapes are others, too,
+//! and what is wrong of a camera is a tenth as wrong in the next: so they are renewed until it stays.
 
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
@@ -12,6 +14,11 @@ use crate::session::View;
 use nalgebra::Vector2;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+
+/// Times that the centres are found again.
+const PASSES: usize = 4;
+/// The camera stays when none of its numbers moves by this many of its standard deviations: what is left to move is a tenth of that.
+const SETTLED: f64 = 0.7;
 
 /// Calibrates, finds the centres again with that camera, and calibrates from those. Where no ring was measured photometrically there
 /// is nothing to find again, and the first calibration is the result. Returns the views it comes from, too.
@@ -31,9 +38,27 @@ pub fn calibrate_refined(
     {
         return Ok((first, views.to_vec()));
     }
-    let refined = refine(board, views, &first);
-    let second = calibrate(board, &refined, options)?;
-    Ok((second, refined))
+    let mut calibration = first;
+    let mut refined = Vec::new();
+    for _ in 0..PASSES {
+        refined = refine(board, views, &calibration);
+        let next = calibrate(board, &refined, options)?;
+        let last = std::mem::replace(&mut calibration, next);
+        if moved(&last, &calibration) < SETTLED {
+            break;
+        }
+    }
+    Ok((calibration, refined))
+}
+
+/// By how many of its standard deviations the number moved that moved most.
+fn moved(last: &Calibration, next: &Calibration) -> f64 {
+    let stds = next.stds();
+    let moves = last.values().into_iter().zip(next.values()).zip(stds);
+    let moves = moves.filter(|(_, std)| *std > 0.0);
+    moves.fold(0.0, |most, ((last, next), std)| {
+        most.max((next - last).abs() / std)
+    })
 }
 
 /// The views with their centres found again. Rings that were not measured photometrically stay as they are, and so do those that

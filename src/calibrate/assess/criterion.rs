@@ -1,6 +1,7 @@
 //! The rules, one number each.
 
 use super::{Facts, Grade, px};
+use crate::calibrate::{Change, When};
 use nalgebra::Point2;
 
 /// Projection uncertainty that the node, too, asks for before it calls the views enough (its parameter `target_px`), px.
@@ -14,6 +15,11 @@ const SPOILS_PX: f64 = 0.5;
 /// Differences between views that were used and views that were left out that nobody notices, px.
 const NO_MATTER_PX: f64 = 0.02;
 
+/// Changes of the focal length between views, of itself, that move nothing in a frame by more than a few tenths of a pixel ...
+const STEADY: f64 = 2e-4;
+/// ... and such as no view agrees with the result.
+const REFOCUSED: f64 = 2e-3;
+
 /// One rule, in order of weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rule {
@@ -21,6 +27,8 @@ pub enum Rule {
     Certainty,
     /// How well views that were left out are predicted, against those that were used.
     Prediction,
+    /// Whether one focal length served all views.
+    Steadiness,
     /// Residuals that the noise of the centres does not explain.
     Misfit,
     /// How much of the frame the rings covered.
@@ -42,13 +50,16 @@ pub struct Criterion {
     pub grade: Grade,
     /// Where in the frame the number is from, px.
     at: Option<Point2<f64>>,
+    /// How the focal length changed between the views.
+    change: Option<Change>,
 }
 
 impl Rule {
     /// All of them, the weightiest first.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Certainty,
         Self::Prediction,
+        Self::Steadiness,
         Self::Misfit,
         Self::Coverage,
         Self::Views,
@@ -60,6 +71,7 @@ impl Rule {
         match self {
             Self::Certainty => "Uncertainty in the worst part of the frame",
             Self::Prediction => "Error on views left out, over that on views used",
+            Self::Steadiness => "Change of the focal length between the views",
             Self::Misfit => "Error that noise does not explain",
             Self::Coverage => "Part of the frame that rings covered",
             Self::Views => "Views that took part",
@@ -72,6 +84,7 @@ impl Rule {
         match self {
             Self::Certainty => [CERTAIN_PX, UNCERTAIN_PX],
             Self::Prediction => [1.5, 3.0],
+            Self::Steadiness => [STEADY, REFOCUSED],
             Self::Misfit => [MISFIT_PX, SPOILS_PX],
             Self::Coverage => [0.7, 0.4],
             Self::Views => [10.0, 5.0],
@@ -90,6 +103,7 @@ impl Rule {
             _ if !value.is_finite() => "not told".to_owned(),
             Self::Certainty | Self::Misfit => px(value),
             Self::Prediction => format!("{value:.2} times"),
+            Self::Steadiness => format!("{:.2} %", 100.0 * value),
             Self::Coverage | Self::Contradicting => format!("{:.0} %", 100.0 * value),
             Self::Views => format!("{value:.0}"),
         }
@@ -126,6 +140,10 @@ impl Rule {
             Self::Prediction => {
                 "Add views at other places and tilts: some parameters rest on one or two views. Or estimate fewer of \
                  them (--fix)."
+            }
+            Self::Steadiness => {
+                "Hold focus and zoom, autofocus off, and calibrate each setting from views of its own: no camera in \
+                 between is right for either."
             }
             Self::Misfit => {
                 "Something is not as assumed. Is the board flat, and its pitch measured on the print? Did board and \
@@ -171,6 +189,7 @@ impl Criterion {
             value,
             grade,
             at: (rule == Rule::Certainty).then_some(facts.worst_at),
+            change: facts.change,
         }
     }
 
@@ -201,6 +220,7 @@ impl Criterion {
             Rule::Prediction => {
                 format!("on views that were left out the error is {value} that on views used")
             }
+            Rule::Steadiness => changed(self.change, &value),
             Rule::Misfit => {
                 format!("{value} of the error is more than the noise of the ring centres")
             }
@@ -221,6 +241,7 @@ fn value(rule: Rule, facts: &Facts) -> f64 {
         Rule::Prediction => facts
             .left_out_rms_px
             .map_or(f64::INFINITY, |rms| rms / facts.rms_px.max(f64::EPSILON)),
+        Rule::Steadiness => facts.change.map_or(0.0, |change| change.relative.abs()),
         Rule::Misfit => {
             let squares = facts.rms_px.powi(2) - facts.noise_px.powi(2);
             squares.max(0.0).sqrt()
@@ -228,5 +249,22 @@ fn value(rule: Rule, facts: &Facts) -> f64 {
         Rule::Coverage => facts.coverage,
         Rule::Views => facts.views as f64,
         Rule::Contradicting => facts.contradicting,
+    }
+}
+
+/// How the focal length changed, in words.
+fn changed(change: Option<Change>, value: &str) -> String {
+    let Some(Change { when, relative, .. }) = change else {
+        return format!("the focal length changes by {value} between the views");
+    };
+    let longer = if relative > 0.0 { "longer" } else { "shorter" };
+    match when {
+        When::At(view) => format!(
+            "from view {} on the focal length is {value} {longer} than before: focus or zoom was changed",
+            view + 1
+        ),
+        When::WithNearness => format!(
+            "the nearest views want a focal length {value} {longer} than the farthest: does the camera focus by itself?"
+        ),
     }
 }

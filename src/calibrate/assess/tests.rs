@@ -1,5 +1,5 @@
 use super::*;
-use crate::calibrate::{CalibrateOptions, Missing, calibrate, cross_validate, synthetic};
+use crate::calibrate::{CalibrateOptions, Missing, When, calibrate, cross_validate, synthetic};
 
 fn good() -> Facts {
     Facts {
@@ -11,6 +11,7 @@ fn good() -> Facts {
         noise_px: 0.0054,
         left_out_rms_px: Some(0.0056),
         contradicting: 0.0,
+        change: None,
     }
 }
 
@@ -74,6 +75,13 @@ fn every_rule_decides_at_its_limits() {
                 }
                 Rule::Coverage => facts.coverage = value,
                 Rule::Views => facts.views = value as usize,
+                Rule::Steadiness => {
+                    facts.change = Some(Change {
+                        when: When::At(9),
+                        relative: -value,
+                        std: 0.1 * value,
+                    });
+                }
                 Rule::Contradicting => facts.contradicting = value,
             }
             let assessment = assess(&facts);

@@ -22,6 +22,16 @@ pub fn bent(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>, ratio: f64) -> Op
     Some(laid(&map, &start, ratio)?.centre - start.centre)
 }
 
+/// How far the outline of a ring lies beside the model's curve through it, px (root mean square).
+pub(super) fn bends(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>) -> Option<f64> {
+    let shape = laid(&map, &shape_under(&map)?, 1.0)?;
+    let squares = curve(&map, 1.0)?.map(|point| {
+        let (value, _, slope) = implicit(&shape, &point, 1.0);
+        (value / slope.norm()).powi(2)
+    });
+    Some((squares.iter().sum::<f64>() / POINTS as f64).sqrt())
+}
+
 /// The shape, of the perspective of `start`, whose curves lie along the bent ones.
 pub(super) fn laid(
     map: &impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
@@ -61,7 +71,7 @@ fn curve(
 }
 
 /// Q_a of [`Shape`] at a point, its derivatives by centre and affine shape, and by the point.
-pub(super) fn implicit(
+fn implicit(
     shape: &Shape,
     point: &Point2<f64>,
     radius: f64,

@@ -11,7 +11,7 @@ use super::border::mend;
 use super::choice::PsfChoice;
 use super::fit::{Given, Known, RingFitted};
 use super::jury::verdict;
-use super::kept::{KeptRing, KeptWindow, RingMeasured};
+use super::kept::{KeptRing, KeptWindow, RingMeasured, worth_keeping};
 use super::law::{CentreAndCovariance, share_perspective};
 use super::lens_map::{LensMap, blank};
 use super::model::RingModel;
@@ -29,6 +29,9 @@ use rayon::prelude::*;
 
 /// Rounds of fits while neighbours' skirts are still moving.
 const ROUNDS: usize = 3;
+
+/// What a lens's bends move a blurred ring's fit by is once to twice what they move its curves by.
+const BENT_MORE: f64 = 1.5;
 
 /// A ring of a board as it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,14 +162,25 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
     if let Some(map) = map.filter(|_| shared.len() < rings.len()) {
         fit_given(board, &mut rings, &map);
     }
+    let windows = rings.iter().zip(board.places).map(|(ring, place)| {
+        let grid = ring.window.as_ref().map(|window| window.grid);
+        let bends = map.and_then(|map| map.bends(place.plane_m, board.outer_radius_m));
+        (grid, bends.unwrap_or_default())
+    });
+    let keep = worth_keeping(&windows.collect::<Vec<_>>());
     let mut shared = shared.into_iter();
-    let measured = rings.into_iter().map(|ring| {
+    let rings = rings.into_iter().zip(keep).zip(board.places);
+    let measured = rings.map(|((ring, keep), place)| {
         let alone = ring.given;
         let fitted = ring.fitted?;
         let own = (fitted.model.shape.centre, fitted.centre_covariance());
         let next = if alone { Some(own) } else { shared.next() };
-        let (centre, covariance) = next.unwrap_or(own);
-        let window = ring.window.as_ref().and_then(KeptWindow::of);
+        let (centre, mut covariance) = next.unwrap_or(own);
+        // a camera takes it off; who has none has to reckon with it
+        let moved = map.and_then(|map| map.bent(place.plane_m, board.outer_radius_m, board.ratio));
+        let moved = moved.unwrap_or_default() * BENT_MORE;
+        covariance += moved * moved.transpose();
+        let window = ring.window.as_ref().filter(|_| keep).map(KeptWindow::of);
         Ok(RingMeasured {
             centre,
             covariance,

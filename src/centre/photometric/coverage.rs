@@ -141,6 +141,25 @@ impl Coverage {
         Some(())
     }
 
+    /// Coverages of two outlines that are no ellipses: `nodes_of` traces the circle of a radius (outer radii), its nodes at most so far apart.
+    /// The blur must not be sharp.
+    #[inline(always)]
+    pub(super) fn fill_traced(
+        &mut self,
+        grid: &Grid,
+        blur: &Blur,
+        ratio: f64,
+        nodes_of: impl Fn(f64, f64, &mut Vec<Node>) -> Option<()>,
+    ) -> Option<()> {
+        let (psf, kernel_size) = kernel_of(blur, grid);
+        self.clear(grid, None, false);
+        for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
+            nodes_of(radius, spacing(psf, kernel_size), &mut self.nodes)?;
+            self.lay(grid, (psf, kernel_size), circle, None);
+        }
+        Some(())
+    }
+
     /// Empties the planes, but for what `base` holds.
     #[inline(always)]
     fn clear(&mut self, grid: &Grid, base: Option<&[Plane; 2]>, changes: bool) {

@@ -9,6 +9,7 @@ use super::shape::SHAPE_PARAMETERS;
 use super::sheet::EDGE_PARAMETERS;
 use super::window::Window;
 use nalgebra::{Matrix2, SMatrix, SVector};
+use std::ops::Range;
 
 /// Steps at most, accepted or not. Where blur and size can hardly be told apart a fit creeps along a valley.
 const STEPS: usize = 250;
@@ -32,9 +33,9 @@ pub(super) const BLUR_PRIOR: f64 = 1e-9;
 /// 0.3 rad uncertainty at 1 % of noise: an edge that is all but out of reach determines none of them.
 const SHEET_PRIOR: [f64; 3] = [4e-4, 1e-6, 1e-3];
 
-/// The parameters that a shape without a place has: affine and perspective.
-const FIRST_GIVEN: usize = 2;
-const GIVEN: usize = SHAPE_PARAMETERS - FIRST_GIVEN;
+/// Where the affine shape and the perspective stand among the parameters.
+const AFFINE: usize = 2;
+const PERSPECTIVE: usize = 5;
 
 /// A fitted ring.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,6 +100,20 @@ pub enum Given {
     NearStart,
     /// The start is near, and its shape (but not its place) is right: a board and its lens say so.
     Shape,
+    /// The start is near, and its perspective is right. How large the ring looks is left to its pixels: that depends on how it was printed,
+    /// and a size that is wrong moves the centre of a ring in perspective.
+    Perspective,
+}
+
+impl Given {
+    /// The parameters that are not to be found.
+    fn held(self) -> Range<usize> {
+        match self {
+            Self::Nothing | Self::NearStart => 0..0,
+            Self::Shape => AFFINE..SHAPE_PARAMETERS,
+            Self::Perspective => PERSPECTIVE..SHAPE_PARAMETERS,
+        }
+    }
 }
 
 /// A window's ring as it is known before the fit.
@@ -203,7 +218,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             normal,
             damping: match given {
                 Given::Nothing => DAMPING.0,
-                Given::NearStart | Given::Shape => 0.0,
+                Given::NearStart | Given::Shape | Given::Perspective => 0.0,
             },
             given,
             pixels,
@@ -293,9 +308,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// The damped step (Marquardt's scaling).
     fn step(&self) -> Option<Vector> {
         let (mut matrix, mut gradient) = (self.matrix(), self.normal.gradient);
-        if self.given == Given::Shape {
-            gradient.fixed_rows_mut::<GIVEN>(FIRST_GIVEN).fill(0.0);
-        }
+        self.given.held().for_each(|k| gradient[k] = 0.0);
         if self.parameters[BLUR] <= 0.0 && gradient[BLUR] <= 0.0 {
             // no blur at all, and less were better still
             freeze(&mut matrix, BLUR);
@@ -321,9 +334,7 @@ impl<'a, 'b> Fit<'a, 'b> {
                 _ => angle,
             };
         }
-        if self.given == Given::Shape {
-            (FIRST_GIVEN..FIRST_GIVEN + GIVEN).for_each(|k| freeze(&mut matrix, k));
-        }
+        self.given.held().for_each(|k| freeze(&mut matrix, k));
         matrix
     }
 
@@ -352,9 +363,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             shape_of_inverse::<PARAMETERS>(&self.matrix())
         };
         let mut covariance = inverse.ok_or(FitError::Undetermined)? * variance;
-        if self.given == Given::Shape {
-            (FIRST_GIVEN..FIRST_GIVEN + GIVEN).for_each(|k| covariance[(k, k)] = 0.0);
-        }
+        self.given.held().for_each(|k| covariance[(k, k)] = 0.0);
         Ok(RingFitted {
             model: self.start.with_parameters(&self.parameters),
             covariance,

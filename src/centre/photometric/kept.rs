@@ -2,14 +2,18 @@
 //!
 //! Under blur a ring's pixels are few, because they were binned; there a fit is far from linear and its neighbours' skirts
 //! reach into it, so that a second pass wants the pixels. A sharp ring has many, and there its fit with the covariance
-//! says all that they say.
+//! says nearly all that they say: least where a lens bends it, and those are kept as long as there is room.
 
 use super::fit::RingFitted;
 use super::window::{End, Grid, Window};
 use nalgebra::{Matrix2, Point2};
 
-/// Windows of more pixels are not kept: 49 rings of two bytes a pixel stay under 200 kB.
-const MOST_PIXELS: usize = 1900;
+/// Windows of so many pixels are always kept: 49 rings of two bytes a pixel stay under 200 kB.
+const FEW_PIXELS: usize = 1900;
+/// Larger ones are kept, the most bent rings first, as long as those of a view have no more than this together; none has more
+/// than its index has bits for.
+const MOST_PIXELS: usize = 49 * FEW_PIXELS;
+const MOST_OF_ONE: usize = 1 << 16;
 /// Light is kept in steps of 2^-15 of full scale, up to twice that; the highest value stands for a pixel that does not count.
 const STEPS: f32 = 32_768.0;
 const MASKED: u16 = u16::MAX;
@@ -50,13 +54,32 @@ impl KeptRing {
     }
 }
 
-impl KeptWindow {
-    /// Keeps a window; `None` where it is too large.
-    pub(super) fn of(window: &Window) -> Option<Self> {
-        let (grid, stride) = (window.grid, window.grid.stride());
-        if grid.width * grid.height > MOST_PIXELS {
-            return None;
+/// Which of a view's windows are kept, from the size of each (`None` where there is none) and how far a lens bends its ring, px.
+pub(super) fn worth_keeping(windows: &[(Option<Grid>, f64)]) -> Vec<bool> {
+    let pixels = |at: usize| windows[at].0.map_or(0, |grid| grid.width * grid.height);
+    // what a pixel of room is worth
+    let worth = |at: usize| windows[at].1.powi(2) / pixels(at).max(1) as f64;
+    let mut order: Vec<usize> = (0..windows.len()).filter(|at| pixels(*at) > 0).collect();
+    order.sort_by(|a, b| {
+        let few = |at: usize| pixels(at) <= FEW_PIXELS;
+        few(*b).cmp(&few(*a)).then(worth(*b).total_cmp(&worth(*a)))
+    });
+    let (mut keep, mut taken) = (vec![false; windows.len()], 0);
+    for at in order {
+        let size = pixels(at);
+        let fits = taken + size <= MOST_PIXELS && size < MOST_OF_ONE;
+        if size <= FEW_PIXELS || fits {
+            keep[at] = true;
+            taken += size;
         }
+    }
+    keep
+}
+
+impl KeptWindow {
+    /// Keeps a window.
+    pub(super) fn of(window: &Window) -> Self {
+        let (grid, stride) = (window.grid, window.grid.stride());
         let at = |i: usize| (i / grid.width) * stride + i % grid.width;
         let light = (0..grid.width * grid.height).map(|i| {
             let clipped = window
@@ -75,11 +98,11 @@ impl KeptWindow {
             let i = index / stride * grid.width + index % stride;
             Some((u16::try_from(i).ok()?, end))
         });
-        Some(Self {
+        Self {
             grid,
             light: light.collect(),
             censored: censored.collect(),
-        })
+        }
     }
 
     /// The window again.
@@ -130,7 +153,7 @@ mod tests {
         };
         let mut window = cut(40);
         window.keep(|x, y| x + y > 30.0);
-        let again = KeptWindow::of(&window).unwrap().restore();
+        let again = KeptWindow::of(&window).restore();
         assert_eq!(again.grid, window.grid);
         assert_eq!(again.weights, window.weights);
         assert_eq!(again.censored, window.censored);
@@ -138,6 +161,27 @@ mod tests {
         for (i, (a, b)) in again.values.iter().zip(&window.values).enumerate() {
             assert!(window.weights[i] == 0.0 || (a - b).abs() < 1e-4);
         }
-        assert!(KeptWindow::of(&cut(46)).is_none());
+    }
+
+    #[test]
+    fn small_windows_are_kept_and_of_the_large_ones_those_of_the_most_bent_rings() {
+        let grid = |side: usize| Grid {
+            left_px: 0.0,
+            top_px: 0.0,
+            pixel_px: 1.0,
+            width: side,
+            height: side,
+        };
+        let bent = |i: usize| 0.001 * i as f64;
+        let small: Vec<_> = (0..80).map(|i| (Some(grid(40)), bent(i))).collect();
+        assert!(worth_keeping(&small).iter().all(|keep| *keep));
+        let mut large: Vec<_> = (0..49).map(|i| (Some(grid(60)), bent(i))).collect();
+        large[48].0 = None;
+        let keep = worth_keeping(&large);
+        let kept = keep.iter().filter(|keep| **keep).count();
+        assert!(
+            kept == 25 && keep[23..48].iter().all(|keep| *keep),
+            "{keep:?}"
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! The map from the board to the frame that its own centres tell: a homography and a lens, smooth.
+//! The map from the board to the frame that its own centres tell: a homography and a lens, smooth; before a lens that no polynomial
+//! describes a `fan`.
 //!
 //! A ring knows little of its own perspective, but the centres of a board's rings lie so exactly that the second derivatives of
 //! the map through them are known far better. What a ring needs of the map is its shape there.
@@ -8,6 +9,8 @@
 //! with one period around the circle is -a^2 g.e, g_i = -(sum_j K_i,jj + 2 sum_j K_j,ij) / 8. (For a homography that is
 //! all; a lens adds a part with three periods, which no parameter of a ring resembles.)
 
+use super::bent::{bends, bent};
+use super::fan::Fan;
 use super::shape::Shape;
 use crate::camera::homography::{apply, fit_homography};
 use crate::camera::{Camera, Distortion, Intrinsics, PlumbBob};
@@ -23,12 +26,19 @@ const SETTLED: f64 = 1e-3;
 /// Centres count less from so many standard deviations off the map on (Huber 1964).
 const ROBUST: f64 = 3.0;
 const MOST_LENS: usize = 5;
+/// The squared length of two standard normal numbers has this median.
+const MEDIAN: f64 = 1.386_294_361_119_890_6;
+/// Centres that fit a map so badly want another lens: the fans that are tried then.
+const SUSPECT: f64 = 1.5;
+const FANS: [f64; 2] = [0.8, 1.6];
 
 /// A homography to the camera's normalised coordinates, followed by the camera's lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LensMap {
     homography: Matrix3<f64>,
     camera: Camera,
+    /// What comes before the lens.
+    fan: Fan,
     /// How many of the lens's coefficients are free, in the order k1, k2, p1, p2, k3.
     free: usize,
 }
@@ -50,12 +60,30 @@ pub(super) struct Anchor {
 
 impl LensMap {
     /// Least squares through centres seen by a camera; `None` where they determine no plane. Of a [`blank`] camera the lens is found
-    /// too.
+    /// too. What the centres lie beside the map by more than their noise makes it less certain.
     pub(super) fn through(anchors: &[Anchor], camera: &Camera) -> Option<Certain> {
+        let mut best = Self::with_fan(anchors, camera, Fan::default());
+        let known = !camera.distortion.is_none();
+        let suspect = |(_, misfit): &(Certain, f64)| *misfit > SUSPECT;
+        if !known && best.as_ref().is_none_or(suspect) {
+            let others = FANS.map(|fan| Self::with_fan(anchors, camera, Fan(fan)));
+            for other in others.into_iter().flatten() {
+                if best.as_ref().is_none_or(|best| other.1 < best.1) {
+                    best = Some(other);
+                }
+            }
+        }
+        let (mut certain, misfit) = best?;
+        certain.covariance *= misfit.max(1.0);
+        Some(certain)
+    }
+
+    /// The same with a given fan, and how badly it fits ([`LensMap::misfit`]).
+    fn with_fan(anchors: &[Anchor], camera: &Camera, fan: Fan) -> Option<(Certain, f64)> {
         let known = !camera.distortion.is_none();
         let pairs = anchors
             .iter()
-            .map(|a| Some((a.plane_m, camera.unproject(&a.at)?)));
+            .map(|a| Some((a.plane_m, fan.undo(&camera.unproject(&a.at)?)?)));
         let homography = fit_homography(&pairs.collect::<Option<Vec<_>>>()?)?;
         let enough = RINGS_FOR
             .iter()
@@ -64,6 +92,7 @@ impl LensMap {
         let mut map = Self {
             homography: homography / homography[(2, 2)],
             camera: *camera,
+            fan,
             free: enough.map_or(0, |(_, coefficients)| *coefficients),
         };
         let mut settled = None;
@@ -79,10 +108,26 @@ impl LensMap {
             }
         }
         let finite = map.lens().iter().all(|v| v.is_finite());
-        Some(Certain {
+        let certain = Certain {
             covariance: settled.filter(|_| finite)?.inverse(),
             map,
-        })
+        };
+        let misfit = map.misfit(anchors)?;
+        Some((certain, misfit))
+    }
+
+    /// The squared deviation of the centres from the map, in their variances: 1 where all is noise. By the median, for one ring that is none must
+    /// not say that the map is wrong.
+    fn misfit(&self, anchors: &[Anchor]) -> Option<f64> {
+        let square = |anchor: &Anchor| {
+            let missing = anchor.at - self.place(anchor.plane_m)?;
+            Some(missing.norm_squared() / anchor.variance)
+        };
+        let mut squares = anchors.iter().map(square).collect::<Option<Vec<f64>>>()?;
+        squares.sort_by(f64::total_cmp);
+        let measured = 2.0 * squares.len() as f64;
+        let deviations = (measured - (8 + self.free) as f64).max(1.0);
+        Some(squares.get(squares.len() / 2)? / MEDIAN * measured / deviations)
     }
 
     fn normal_equations(&self, anchors: &[Anchor]) -> Option<(DMatrix<f64>, DVector<f64>)> {
@@ -132,7 +177,7 @@ impl LensMap {
 
     /// Where a place of the board (m) is seen, px.
     pub(super) fn place(&self, plane_m: Point2<f64>) -> Option<Point2<f64>> {
-        let ideal = apply(&self.homography, plane_m)?;
+        let ideal = self.fan.apply(&apply(&self.homography, plane_m)?);
         Some(self.camera.pixel(&self.camera.distortion.distort(&ideal)))
     }
 
@@ -143,8 +188,9 @@ impl LensMap {
         let ideal = apply(&self.homography, plane_m)?;
         let k = &self.camera.intrinsics;
         let focal = Matrix2::new(k.fx, 0.0, 0.0, k.fy);
-        let by_u = focal * self.camera.distortion.jacobian(&ideal);
-        let (u, r2) = (ideal.coords, ideal.coords.norm_squared());
+        let fanned = self.fan.apply(&ideal);
+        let by_u = focal * self.camera.distortion.jacobian(&fanned) * self.fan.jacobian(&ideal);
+        let (u, r2) = (fanned.coords, fanned.coords.norm_squared());
         let (x, y) = (u.x, u.y);
         let mut out = DMatrix::zeros(2, 8 + self.free);
         for k in 0..3 {
@@ -174,6 +220,21 @@ impl LensMap {
     /// The image of the ring of this outer radius (m) about a place of the board.
     pub(super) fn ring(&self, plane_m: Point2<f64>, radius_m: f64) -> Option<Shape> {
         shape_under(|d| self.place(plane_m + d * radius_m))
+    }
+
+    /// What the lens's bends move its fit by, px.
+    pub(super) fn bent(
+        &self,
+        plane_m: Point2<f64>,
+        radius_m: f64,
+        ratio: f64,
+    ) -> Option<Vector2<f64>> {
+        bent(|d| self.place(plane_m + d * radius_m), ratio)
+    }
+
+    /// How far its outline is bent beside that of a ring in perspective, px.
+    pub(super) fn bends(&self, plane_m: Point2<f64>, radius_m: f64) -> Option<f64> {
+        bends(|d| self.place(plane_m + d * radius_m))
     }
 }
 
@@ -245,56 +306,4 @@ pub fn shape_under(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>) -> Option<
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::plane::PlaneView;
-    use super::*;
-
-    fn anchors(lens: [f64; MOST_LENS]) -> (LensMap, Vec<Anchor>) {
-        let [k1, k2, p1, p2, k3] = lens;
-        let mut camera = blank(1280, 960);
-        camera.distortion = PlumbBob { k1, k2, p1, p2, k3 }.into();
-        let map = LensMap {
-            homography: Matrix3::new(2.62, 0.11, -0.57, -0.075, 2.37, -0.41, 0.9, -0.6, 1.0),
-            camera,
-            free: MOST_LENS,
-        };
-        let anchors = (0..49)
-            .map(|i| {
-                let plane_m = Point2::new(f64::from(i % 7) * 0.05, f64::from(i / 7) * 0.05);
-                Anchor {
-                    plane_m,
-                    at: map.place(plane_m).unwrap(),
-                    variance: 1e-4,
-                }
-            })
-            .collect();
-        (map, anchors)
-    }
-
-    #[test]
-    fn a_lens_is_found_again_from_the_centres_it_made() {
-        let (truth, anchors) = anchors([-0.11, 0.03, 0.0006, -0.0004, 0.0]);
-        let found = LensMap::through(&anchors, &blank(1280, 960)).unwrap();
-        for anchor in &anchors {
-            assert!((found.map.place(anchor.plane_m).unwrap() - anchor.at).norm() < 1e-3);
-            let (a, b) = (
-                truth.ring(anchor.plane_m, 0.015).unwrap(),
-                found.map.ring(anchor.plane_m, 0.015).unwrap(),
-            );
-            assert!((a.perspective - b.perspective).norm() < 1e-7);
-        }
-    }
-
-    #[test]
-    fn without_a_lens_a_ring_is_that_of_the_plane() {
-        let (map, anchors) = anchors([0.0; MOST_LENS]);
-        let pairs: Vec<_> = anchors.iter().map(|a| (a.plane_m, a.at)).collect();
-        let view = PlaneView::through(&pairs).unwrap();
-        for anchor in &anchors {
-            let bent = map.ring(anchor.plane_m, 0.01).unwrap();
-            let flat = view.perspective(&anchor.at);
-            assert!((bent.centre - anchor.at).norm() < 1e-9);
-            assert!((bent.perspective - flat).norm() < 1e-3 * flat.norm());
-        }
-    }
-}
+mod tests;

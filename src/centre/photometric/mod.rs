@@ -28,6 +28,7 @@ mod corner;
 mod coverage;
 mod disc;
 mod disc_edge;
+mod fan;
 mod fit;
 mod gamma;
 mod gaussian;

@@ -193,23 +193,19 @@ impl Workspace {
         Some(&self.residuals)
     }
 
-    /// What displaced outlines add to a ring's unshaded light, in padded rows ([`Coverage::fill_displaced`]).
-    pub(super) fn displaced(
+    /// Coverages by two outlines that are no ellipses, in padded rows ([`Coverage::fill_traced`]).
+    pub(super) fn traced(
         &mut self,
         grid: &Grid,
-        model: &RingModel,
+        blur: &Blur,
         ratio: f64,
         nodes_of: impl Fn(f64, f64, &mut Vec<Node>) -> Option<()>,
-    ) -> Option<&[f32]> {
-        let known = (ratio, model.contrasts());
+    ) -> Option<&[Plane; 2]> {
         self.dispatch(
             #[inline(always)]
-            |room| {
-                room.coverage
-                    .fill_displaced(grid, &model.blur, known, nodes_of)
-            },
+            |room| room.coverage.fill_traced(grid, blur, ratio, nodes_of),
         )?;
-        Some(&self.coverage.changes[0])
+        Some(&self.coverage.circles)
     }
 
     /// Residuals of all pixels of a window under a model, in padded rows; zero where a pixel does not count.

@@ -1,19 +1,20 @@
 //! What a lens's bends do to a ring's centre, by the fit that gives it.
 //!
 //! The model's curves are those of a ring in perspective; a lens adds bends that no perspective makes, and the fit settles where grey values
-//! agree best. Once the camera is known the bends are: where an outline lies outwards of the model's by d, the picture changes by the
-//! step of light times d times the blur, all along it. That is added to the picture of the model, the model fitted to it, and where
-//! it ends is what the bends have moved it by. (`bent` says the same for curves alone: without a blur that mixes the two.)
+//! agree best. Once the camera is known the bent outlines are. Two pictures of the ring are made, with these outlines and with those of
+//! the model, and what they differ by is taken off the pixels. Of a ring without pixels the picture with the bent outlines is fitted, and
+//! where that ends is what the bends have moved it by. (`bent` says the same for curves alone: without a blur that mixes the two.)
 
-use super::bent::{implicit, laid};
+use super::bent::laid;
 use super::blur::{Blur, Psf};
-use super::boundary::Node;
+use super::boundary::{Node, trace};
 use super::fit::{Given, Known};
 use super::kept::KeptRing;
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::sharp::MOST_SIGMA;
+use super::sheet::SheetRow;
 use super::window::{Grid, Window};
 use nalgebra::{Point2, Vector2};
 use std::f64::consts::TAU;
@@ -27,66 +28,99 @@ const NODES: (f64, f64) = (24.0, 4000.0);
 /// Half the turn (rad) over which the direction of a curve is taken.
 const TURN: f64 = 1e-4;
 
-/// The shape that a fit finds of a bent ring: `image` is the map from outer radii about its centre to the frame, `shape` the ring without its
-/// bends. `None` where it has no image.
+/// Where a camera sees a place about a ring's centre, in outer radii.
+pub(super) trait Image: Fn(Vector2<f64>) -> Option<Point2<f64>> {}
+impl<F: Fn(Vector2<f64>) -> Option<Point2<f64>>> Image for F {}
+
+/// Takes what the lens's bends do out of the pixels of a ring: what is left is the ring of `model` with its centre at that of `image`,
+/// and its perspective. `None` where it has no image.
+pub(super) fn straighten(
+    window: &mut Window,
+    model: &RingModel,
+    image: impl Image,
+    ratio: f64,
+    room: &mut Workspace,
+) -> Option<()> {
+    let (grid, shape) = (window.grid, laid_about(&model.shape, &image, ratio)?);
+    let model = RingModel {
+        shape,
+        blur: soft(&model.blur, &grid),
+        ..*model
+    };
+    let bent = picture_of_bent(&grid, &model, image, ratio, room)?;
+    // drawn as the bent one is, so that they differ by the bends alone
+    let nodes = |radius: f64, spacing: f64, nodes: &mut Vec<Node>| {
+        trace(nodes, &grid, &shape, radius, spacing)
+    };
+    let straight = room.traced(&grid, &model.blur, ratio, nodes)?;
+    let straight = picture(&grid, &model, straight);
+    for (value, (bent, straight)) in window.values.iter_mut().zip(bent.iter().zip(&straight)) {
+        *value -= bent - straight;
+    }
+    Some(())
+}
+
+/// The shape that a free fit finds of a bent ring whose pixels were not kept: `shape` is the ring without its bends. `None` where it
+/// has no image.
 pub(super) fn found_of_bent(
     kept: &KeptRing,
     shape: &Shape,
-    image: impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
-    (ratio, given): (f64, Given),
+    image: impl Image,
+    ratio: f64,
     room: &mut Workspace,
 ) -> Option<Shape> {
     let fitted = &kept.fitted.model;
-    let mut window = match &kept.window {
-        Some(window) => window.restore(),
-        None => Window::blank(grid_about(shape, &fitted.blur)?),
-    };
+    let mut window = Window::blank(grid_about(shape, &fitted.blur)?);
     let grid = window.grid;
-    // as large as a fit makes it: what is left beside its curves has no part that a window's pixels could take for a move
-    let shape = &Shape {
-        centre: shape.centre,
-        ..laid(&image, shape, ratio)?
-    };
     let model = RingModel {
-        shape: *shape,
+        shape: laid_about(shape, &image, ratio)?,
         blur: soft(&fitted.blur, &grid),
         ..*fitted
     };
-    window.censored.clear();
-    window.values.fill(0.0);
-    let mut picture: Vec<f32> = room.residuals(&known(&window, ratio), &model).to_vec();
-    let nodes = |radius: f64, spacing: f64, nodes: &mut Vec<Node>| {
-        trace_bends(nodes, &grid, shape, &image, (radius, spacing))
+    window.values = picture_of_bent(&grid, &model, image, ratio, room)?;
+    let known = Known {
+        window: &window,
+        ratio,
+        around: None,
+        given: Given::NearStart,
     };
-    let added = room.displaced(&grid, &model, ratio, nodes)?;
-    let stride = grid.stride();
-    for (row, (picture, added)) in picture
-        .chunks_exact_mut(stride)
-        .zip(added.chunks_exact(stride))
-        .enumerate()
-    {
-        for ((value, added), shade) in picture.iter_mut().zip(added).zip(model.shades(&grid, row)) {
-            *value = added * shade - *value;
-        }
-    }
-    window.values = picture;
-    let again = Known {
-        given,
-        ..known(&window, ratio)
-    }
-    .fit_with(&model, model.blur.psf, room)
-    .ok()?;
+    let again = known.fit_with(&model, model.blur.psf, room).ok()?;
     Some(again.model.shape)
 }
 
-/// The picture as a fit of known shape sees it.
-fn known(window: &Window, ratio: f64) -> Known<'_> {
-    Known {
-        window,
-        ratio,
-        around: None,
-        given: Given::Shape,
+/// As large as a fit makes it: what is left beside its curves has no part that a window's pixels could take for a move.
+fn laid_about(shape: &Shape, image: &impl Image, ratio: f64) -> Option<Shape> {
+    Some(Shape {
+        centre: shape.centre,
+        ..laid(image, shape, ratio)?
+    })
+}
+
+/// The picture of a ring with the levels of `model` and bent outlines, in padded rows.
+fn picture_of_bent(
+    grid: &Grid,
+    model: &RingModel,
+    image: impl Image,
+    ratio: f64,
+    room: &mut Workspace,
+) -> Option<Vec<f32>> {
+    let nodes = |radius: f64, spacing: f64, nodes: &mut Vec<Node>| {
+        trace_bent(nodes, grid, &model.shape, &image, (radius, spacing))
+    };
+    let circles = room.traced(grid, &model.blur, ratio, nodes)?;
+    Some(picture(grid, model, circles))
+}
+
+/// The light of these coverages, in padded rows.
+fn picture(grid: &Grid, model: &RingModel, [outer, inner]: &[Vec<f32>; 2]) -> Vec<f32> {
+    let (stride, mut sheet) = (grid.stride(), SheetRow::default());
+    let mut picture = vec![0.0; stride * grid.height];
+    for (row, out) in picture.chunks_exact_mut(stride).enumerate() {
+        let span = row * stride..(row + 1) * stride;
+        let circles = [&outer[span.clone()], &inner[span]];
+        model.light(grid, row, circles, &mut sheet, out);
     }
+    picture
 }
 
 /// A grid about a ring, coarser where it is larger.
@@ -115,12 +149,12 @@ fn soft(blur: &Blur, grid: &Grid) -> Blur {
     }
 }
 
-/// The nodes of a bent circle, at most `spacing` pixels of the grid apart; their first sweep is how far they lie outside the model's.
-fn trace_bends(
+/// The nodes of a bent circle, at most `spacing` pixels of the grid apart.
+fn trace_bent(
     nodes: &mut Vec<Node>,
     grid: &Grid,
     shape: &Shape,
-    image: &impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
+    image: &impl Image,
     (radius, spacing): (f64, f64),
 ) -> Option<()> {
     let scale = 1.0 / grid.pixel_px;
@@ -130,20 +164,19 @@ fn trace_bends(
         let (sin, cos) = turn.sin_cos();
         image(Vector2::new(cos, sin) * radius)
     };
+    // the outline has to run the way of an ellipse's angle, whichever way up the board is
+    let quarter = [at(0.0)? - shape.centre, at(0.25 * TAU)? - shape.centre];
+    let way = quarter[0].perp(&quarter[1]).signum();
     nodes.clear();
     for i in 0..count as usize {
-        let turn = TAU * i as f64 / count;
+        let turn = way * TAU * i as f64 / count;
         let place = at(turn)?;
-        let along = (at(turn + TURN)? - at(turn - TURN)?) * (TAU / count / (2.0 * TURN));
-        let (value, _, slope) = implicit(shape, &place, radius);
-        let outwards = value / slope.norm();
-        let mut sweep = [0.0; SHAPE_PARAMETERS];
-        sweep[0] = (outwards * along.norm() * scale * scale) as f32;
+        let fall = (at(turn - TURN)? - at(turn + TURN)?).y * (way * TAU / count / (2.0 * TURN));
         nodes.push(Node {
             x: ((place.x - grid.left_px) * scale) as f32,
             y: ((place.y - grid.top_px) * scale) as f32,
-            rise: 0.0,
-            sweep,
+            rise: (fall * scale) as f32,
+            sweep: [0.0; SHAPE_PARAMETERS],
         });
     }
     Some(())

@@ -11,6 +11,8 @@ const MOST: f64 = 1.5;
 pub(super) const MOST_IF_GIVEN: f64 = 3.0;
 /// And one that nothing covers has no more, in the worst light.
 const MOST_IF_COVERED: f64 = 3.0;
+/// Nor has one that a lens bends, which is all that is wrong with it, of the contrast.
+const MOST_IF_BENT: f64 = 1.5e-2;
 /// The model itself is right within this fraction of the contrast: without noise residuals are that, and differ.
 const MODEL_ERROR: f64 = 1.4e-3;
 
@@ -50,7 +52,7 @@ impl Usual {
             let contrast = (fitted.model.paper - fitted.model.ring).abs();
             let expected = (usual.noise / window.grid.pixel_px).max(MODEL_ERROR * contrast);
             let times = fitted.noise / expected;
-            if times > MOST_IF_COVERED {
+            if times > MOST_IF_COVERED && fitted.noise > MOST_IF_BENT * contrast {
                 ring.fitted = Err(RingError::Covered { times });
             }
         }

@@ -145,7 +145,7 @@ fn a_good_calibration_says_so_first() {
         "Directions are known to 0.077 px (one standard deviation) everywhere in the frame; the rings of 16 views \
          cover 100 % of it."
     );
-    assert_eq!(page.matches("class=\"grade good\"").count(), 6);
+    assert_eq!(page.matches("class=\"grade good\"").count(), 7);
     assert!(!page.contains("What to do"));
     assert!(page.contains("<p id=\"left-out\">Nothing.</p>"));
     balanced(&page);

@@ -267,7 +267,7 @@ impl Fit<'_, '_> {
             freeze(&mut matrix, BLUR);
             gradient[BLUR] = 0.0;
         }
-        let scales = scales_of(&matrix);
+        let scales = diagonal_scales(&matrix);
         let mut scaled = scaled_by(&matrix, &scales);
         for k in 0..PARAMETERS {
             scaled[(k, k)] *= 1.0 + self.damping;
@@ -343,7 +343,7 @@ pub(super) fn freeze(matrix: &mut Matrix, k: usize) {
 }
 
 /// What makes the diagonal one: parameters differ in their units by many powers of ten.
-fn scales_of(matrix: &Matrix) -> Vector {
+pub(super) fn diagonal_scales(matrix: &Matrix) -> Vector {
     Vector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip())
 }
 
@@ -352,7 +352,7 @@ fn scaled_by(matrix: &Matrix, scales: &Vector) -> Matrix {
 }
 
 pub(super) fn inverse_of(matrix: &Matrix) -> Option<Matrix> {
-    let scales = scales_of(matrix);
+    let scales = diagonal_scales(matrix);
     let inverse = scaled_by(matrix, &scales).cholesky()?.inverse();
     Some(scaled_by(&inverse, &scales))
 }

@@ -179,13 +179,15 @@ impl<'a> Measured<'a> {
                 return;
             }
             self.rings.extend(found);
-            let centres = self
-                .rings
-                .iter()
-                .map(|(&label, ring)| (label, ring.outer.centre));
-            if let Some(places) = Places::fit(centres) {
-                self.places = places;
-            }
+            self.settle_places();
+        }
+    }
+
+    /// Says anew where each ring is expected, by those that are there.
+    pub(super) fn settle_places(&mut self) {
+        let rings = self.rings.iter();
+        if let Some(places) = Places::fit(rings.map(|(&label, ring)| (label, ring.outer.centre))) {
+            self.places = places;
         }
     }
 
@@ -258,7 +260,8 @@ impl<'a> Measured<'a> {
         Some(ellipses)
     }
 
-    fn verdict(self, required: Required) -> Result<(Vec<Placed>, Indices), Miss> {
+    fn verdict(mut self, required: Required) -> Result<(Vec<Placed>, Indices), Miss> {
+        self.leave_out_strays();
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let found = self.rings.len();
         let labels: Vec<Label> = self.rings.keys().copied().collect();

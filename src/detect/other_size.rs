@@ -32,6 +32,45 @@ impl Measured<'_> {
         odd.then_some(seen)
     }
 
+    /// Leaves out the few spots beside a board of which (nearly) all is there that look like rings of one more row or column: under heavy
+    /// blur noise has such spots. A line of which half shows is kept: it says that this is another board.
+    pub(super) fn leave_out_strays(&mut self) {
+        let Some(numbering) = self.numbering() else {
+            return;
+        };
+        let (columns, rows) = (
+            i32::from(self.board.columns()),
+            i32::from(self.board.rows()),
+        );
+        // the row or column beyond the board that a ring stands in, and how many would fill it
+        let beyond = |label: Label| {
+            let (column, row) = numbering.of(label);
+            if !(0..rows).contains(&row) {
+                Some(((row, true), columns))
+            } else if !(0..columns).contains(&column) {
+                Some(((column, false), rows))
+            } else {
+                None
+            }
+        };
+        let off: Vec<_> = self
+            .rings
+            .keys()
+            .filter_map(|&l| Some((l, beyond(l)?)))
+            .collect();
+        let on_board = (self.rings.len() - off.len()) as f64;
+        if off.is_empty() || on_board < FULL * self.board.ring_count() as f64 {
+            return;
+        }
+        for &(label, (line, length)) in &off {
+            let seen = off.iter().filter(|(_, (other, _))| *other == line).count();
+            if (seen as f64) < GOES_ON * f64::from(length) {
+                self.rings.remove(&label);
+            }
+        }
+        self.settle_places();
+    }
+
     /// Whether a row or column of rings stands one step beyond a lattice of the board's size.
     pub(super) fn goes_on(&self) -> bool {
         let Some(numbering) = self.numbering() else {

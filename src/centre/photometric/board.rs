@@ -10,6 +10,7 @@ use super::blur::Psf;
 use super::border::mend;
 use super::choice::PsfChoice;
 use super::fit::{Given, Known, RingFitted};
+use super::joint::step_together;
 use super::jury::verdict;
 use super::kept::{KeptRing, KeptWindow, RingMeasured, worth_keeping};
 use super::law::{CentreAndCovariance, share_perspective};
@@ -27,8 +28,8 @@ use crate::frame::{Frame, Linear};
 use nalgebra::Point2;
 use rayon::prelude::*;
 
-/// Rounds of fits while neighbours' skirts are still moving.
-const ROUNDS: usize = 3;
+/// Rounds of fits while neighbours' skirts are still moving; after the first two, all rings step together before each.
+const ROUNDS: usize = 6;
 
 /// What a lens's bends move a blurred ring's fit by is once to twice what they move its curves by.
 const BENT_MORE: f64 = 1.5;
@@ -101,6 +102,9 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         .map(|place| Under::begin(frame, (board, place, view.as_ref()), &verdict))
         .collect();
     for round in 0..ROUNDS {
+        if round > 1 {
+            step_together(board.ratio, &mut rings);
+        }
         let moved = fit_round(board, view.as_ref(), &mut rings, round);
         if !moved {
             break;
@@ -116,7 +120,9 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);
     }
-    even_out(board, &mut rings);
+    if even_out(board, &mut rings) {
+        step_together(board.ratio, &mut rings);
+    }
     Usual::leave_out_covered(&mut rings);
     finish(board, verdict.psf, rings, &camera)
 }

@@ -19,6 +19,8 @@ use rayon::prelude::*;
 
 /// The sides of a board.
 const SIDES: [[f64; 2]; 4] = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]];
+/// A ring whose blur is (the logarithm) so far from the others' may have taken an edge for blur.
+const UNLIKE: f64 = 0.12;
 /// Steps of a secant that finds an edge on the plane.
 const STEPS: usize = 4;
 
@@ -91,21 +93,25 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
                 .collect(),
         )
     };
-    let (Some(paper), Some(ring), Some(inside)) =
-        (level(|m| m.paper), level(|m| m.ring), level(|m| m.inside))
-    else {
+    let (Some(paper), Some(ring), Some(inside), Some(blur_px)) = (
+        level(|m| m.paper),
+        level(|m| m.ring),
+        level(|m| m.inside),
+        level(|m| m.blur.size_px),
+    ) else {
         return false;
     };
     let usual = Usual::of(rings);
     let work = rings.par_iter_mut().zip(board.places).enumerate();
     work.map_init(Workspace::default, |room, (i, (under, place))| {
-        let lost = under.masked || usual.is_ring_noisy(under) != Some(false);
+        let unlike = (under.model.blur.size_px / blur_px).ln().abs() > UNLIKE;
+        let lost = under.masked || unlike || usual.is_ring_noisy(under) != Some(false);
         let Some(end) = margins.end((board, place), map, lost) else {
             return false;
         };
         let has = under.fitted.ok().and_then(|f| f.model.sheet);
-        if has.is_some_and(|has| has.count() == end.count()) && !lost {
-            return false;
+        if let Some(has) = has.filter(|has| has.count() == end.count() && !lost) {
+            return bend(under, (board, place), map, &has, (i, &models), room);
         }
         let Some(shape) = map.ring(place.plane_m, board.outer_radius_m) else {
             return false;
@@ -147,6 +153,27 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
     .reduce(|| false, |a, b| a || b)
 }
 
+/// Fits a ring again whose edge is right but for what the lens bends of it; says whether that has changed anything.
+fn bend(
+    under: &mut Under,
+    (board, place): (&BoardStart, &BoardPlace),
+    map: &LensMap,
+    end: &SheetEnd,
+    others: (usize, &[RingModel]),
+    room: &mut Workspace,
+) -> bool {
+    let Some(bent) = bent_end((board, place), map, end) else {
+        return false;
+    };
+    let before = under.clone();
+    under.model.sheet = Some(bent);
+    under.fit((board, place, None), others, room);
+    if under.fitted.is_err() {
+        *under = before;
+    }
+    true
+}
+
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
@@ -162,10 +189,52 @@ fn edge(place: &BoardPlace, map: &LensMap, side: usize, margin_m: f64) -> Option
     let (at, anchor) = (map.place(foot)?, map.place(place.plane_m)?);
     let across = Vector2::new(chord.y, -chord.x);
     let normal = across.normalize() * across.dot(&(at - anchor)).signum();
-    Some(Edge {
+    let straight = Edge {
         anchor,
         offset_px: normal.dot(&(at - anchor)),
         angle: normal.y.atan2(normal.x),
+        bend: 0.0,
+    };
+    bent(place, map, side, (margin_m, straight))
+}
+
+/// An edge that stands `margin_m` out from a ring at a side, bent as the map bends it there.
+fn bent(
+    place: &BoardPlace,
+    map: &LensMap,
+    side: usize,
+    (margin_m, edge): (f64, Edge),
+) -> Option<Edge> {
+    let out = Vector2::from(SIDES[side]);
+    let along = Vector2::new(-out.y, out.x);
+    let foot = place.plane_m + out * margin_m;
+    let step = along * margin_m;
+    let (one, other) = (map.place(foot + step)?, map.place(foot - step)?);
+    let sagitta = edge
+        .normal()
+        .dot(&((one - map.place(foot)?) + (other - map.place(foot)?)));
+    let half_px = 0.5 * (one - other).norm();
+    Some(Edge {
+        bend: sagitta / (half_px * half_px).max(f64::MIN_POSITIVE),
+        ..edge
+    })
+}
+
+/// The end of the sheet beside a ring, its edges bent as the map says.
+fn bent_end(
+    (board, place): (&BoardStart, &BoardPlace),
+    map: &LensMap,
+    end: &SheetEnd,
+) -> Option<SheetEnd> {
+    let of_map = |edge: &Edge| {
+        let side = side_of(board, place, map, edge)?;
+        let margin_m = margin_m(board, place, map, side, edge)?;
+        bent(place, map, side, (margin_m, *edge))
+    };
+    Some(SheetEnd {
+        edge: of_map(&end.edge)?,
+        other: end.other.map(|other| of_map(&other).unwrap_or(other)),
+        ..*end
     })
 }
 

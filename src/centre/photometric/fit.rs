@@ -389,7 +389,7 @@ pub(super) fn freeze(matrix: &mut Matrix, k: usize) {
 }
 
 /// What makes the diagonal one: parameters differ in their units by many powers of ten.
-fn scales_of<const N: usize>(matrix: &Matrix) -> SVector<f64, N> {
+pub(super) fn diagonal_scales<const N: usize>(matrix: &Matrix) -> SVector<f64, N> {
     SVector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip())
 }
 
@@ -400,7 +400,7 @@ fn scaled_by<const N: usize>(matrix: &Matrix, scales: &SVector<f64, N>) -> SMatr
 
 /// The step of the first N parameters, with the diagonal times `damping`; the others stay.
 fn solved<const N: usize>(matrix: &Matrix, gradient: &Vector, damping: f64) -> Option<Vector> {
-    let scales = scales_of::<N>(matrix);
+    let scales = diagonal_scales::<N>(matrix);
     let mut scaled = scaled_by(matrix, &scales);
     for k in 0..N {
         scaled[(k, k)] *= damping;
@@ -414,7 +414,7 @@ fn solved<const N: usize>(matrix: &Matrix, gradient: &Vector, damping: f64) -> O
 
 /// The inverse of the part that belongs to the first N parameters, as far as it is the shape's.
 pub(super) fn shape_of_inverse<const N: usize>(matrix: &Matrix) -> Option<ShapeCovariance> {
-    let scales = scales_of::<N>(matrix);
+    let scales = diagonal_scales::<N>(matrix);
     let factor = scaled_by(matrix, &scales).cholesky()?;
     let units = SMatrix::<f64, N, SHAPE_PARAMETERS>::identity();
     let columns = factor.solve(&units);

@@ -8,7 +8,8 @@
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
-//!                      `trust`, blur that is `uneven`, and the perspective they share (`law`, `lens_map`)
+//!                      `trust`, the step they take together where they are crowded (`joint`, `gmres`), blur that is `uneven`, and the
+//!                      perspective they share (`law`, `lens_map`)
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
 //!
@@ -32,8 +33,10 @@ mod fan;
 mod fit;
 mod gamma;
 mod gaussian;
+mod gmres;
 mod gram;
 mod hearing;
+mod joint;
 mod jury;
 mod kept;
 mod law;

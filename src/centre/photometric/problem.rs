@@ -57,19 +57,32 @@ pub(super) struct Normal {
 
 impl Workspace {
     /// Runs `work` compiled for the widest vectors this machine has.
-    fn dispatch<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
+    pub(super) fn dispatch<R>(&mut self, work: impl FnOnce(&mut Self) -> R) -> R {
         let arch = self.arch;
         arch.dispatch(Job(self, work))
     }
 
     /// Everything at a model: coverages with their changes and the normal equations; `None` where the shape is no ring.
     pub(super) fn normal(&mut self, problem: &Problem, model: &RingModel) -> Option<Normal> {
+        self.normal_and(problem, model, |_| ())
+    }
+
+    /// The same, and what else is made of the derivatives.
+    pub(super) fn normal_and(
+        &mut self,
+        problem: &Problem,
+        model: &RingModel,
+        mut visit: impl FnMut(&Rows),
+    ) -> Option<Normal> {
         self.dispatch(
             #[inline(always)]
             |room| {
                 let mut gram = Gram::new();
                 let contrasts = Some(model.contrasts());
-                let beyond = room.for_each_row(problem, model, contrasts, |rows| gram.add(rows))?;
+                let beyond = room.for_each_row(problem, model, contrasts, |rows| {
+                    gram.add(rows);
+                    visit(rows);
+                })?;
                 let (matrix, gradient, squares) = gram.finish();
                 let squares = squares + beyond;
                 let finite = squares.is_finite() && matrix.iter().all(|v| v.is_finite());

@@ -4,6 +4,9 @@
 //! values. A half-plane at the signed distance d, blurred, is F(d / s); of a corner O = 1 - (1 - F_1) (1 - F_2), corrected for the
 //! corner's angle (`corner`). The pixel's box is taken as so much more blur: it is small against s wherever an edge that is
 //! worth a model (and not left out) is in reach.
+//!
+//! A lens bends the edge by a few tenths of a pixel over a window. Once the map through the rings says how, that is part of the
+//! distance: a straight edge would move the ring by half the noise of a good camera.
 
 use super::blur::{Blur, Psf};
 use super::corner::Corner;
@@ -26,6 +29,8 @@ pub struct Edge {
     pub offset_px: f64,
     /// Direction that leads off the sheet, rad from the frame's x towards its y.
     pub angle: f64,
+    /// How a lens bends it, px^-1: at t px along the edge it is t^2 / 2 times this farther out. It does not change in a fit.
+    pub bend: f64,
 }
 
 impl Edge {
@@ -142,6 +147,7 @@ impl SheetRow {
 struct Line {
     distance: (f32, f32),
     along: (f32, f32),
+    half_bend: f32,
 }
 
 impl Line {
@@ -155,12 +161,14 @@ impl Line {
                 (normal.x * grid.pixel_px) as f32,
             ),
             along: (begin.dot(&along) as f32, (along.x * grid.pixel_px) as f32),
+            half_bend: (0.5 * edge.bend) as f32,
         }
     }
 
     /// How far beyond the edge a pixel is, px.
     fn distance(&self, column: usize) -> f32 {
-        self.distance.0 + self.distance.1 * column as f32
+        let along = self.along(column);
+        self.distance.0 + self.distance.1 * column as f32 - self.half_bend * along * along
     }
 
     /// How far along the edge it is from the anchor's foot, px.

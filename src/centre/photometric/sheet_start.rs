@@ -105,6 +105,7 @@ impl Candidate {
                     anchor: outline.centre,
                     offset_px: extent + k as f64 * step_px,
                     angle: normal.y.atan2(normal.x),
+                    bend: 0.0,
                 };
                 (square > 1.0).then(|| Self {
                     edge,

@@ -31,6 +31,8 @@ pub(super) struct Under {
     pub(super) crowded: bool,
     /// Something in its window was left out.
     pub(super) masked: bool,
+    /// Its window before that: what was strange beside neighbours that had not settled may be no more.
+    pub(super) whole: Option<Window>,
     /// Its shape is not its own but the map's.
     pub(super) given: bool,
 }
@@ -62,6 +64,7 @@ impl Under {
             fitted: Err(RingError::Outside),
             crowded: false,
             masked: false,
+            whole: None,
             given: false,
         }
     }
@@ -73,9 +76,10 @@ impl Under {
         (own, models): (usize, &[RingModel]),
         room: &mut Workspace,
     ) {
-        let Some(mut window) = self.window.take() else {
+        let Some(mut window) = self.whole.take().or(self.window.take()) else {
             return;
         };
+        self.masked = false;
         let around = around(&window.grid, self.seen.ratio, (own, models), room);
         self.crowded = around.is_some();
         let fitted = self.fit_window(standing, &mut window, around.as_ref(), room);
@@ -139,6 +143,7 @@ impl Under {
             return Ok(end.unwrap_or(first));
         }
         self.masked = true;
+        self.whole = around.is_some().then(|| window.clone());
         surroundings.mask(window, &again.verdict());
         let rest = Known {
             window,

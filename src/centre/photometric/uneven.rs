@@ -44,9 +44,11 @@ const WORTH: f64 = 0.03;
 /// A smaller blur, sigma as a part of the outer minor semi-axis, is as good as none.
 const LEAST_SIGMA: f64 = 0.02;
 
-/// Takes what uneven blur does out of the pixels of the rings, and fits them again; does nothing where the blur is even.
-pub(super) fn even_out(board: &BoardStart, rings: &mut [Under]) {
-    let Some(slope) = slope(rings) else { return };
+/// Takes what uneven blur does out of the pixels of the rings, and fits them again; does nothing where the blur is even, and says so.
+pub(super) fn even_out(board: &BoardStart, rings: &mut [Under]) -> bool {
+    let Some(slope) = slope(rings) else {
+        return false;
+    };
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
     let work = rings.par_iter_mut().enumerate();
     work.for_each_init(Workspace::default, |room, (i, ring)| {
@@ -79,6 +81,7 @@ pub(super) fn even_out(board: &BoardStart, rings: &mut [Under]) {
             });
         }
     });
+    true
 }
 
 /// Change of the blur's size over the picture of the board, px per px; `None` where it is not known, or as good as none.

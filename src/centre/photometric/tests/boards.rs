@@ -128,3 +128,29 @@ fn the_second_pass_does_not_make_centres_worse_and_agrees_with_itself() {
         assert!(bytes < 200_000, "{bytes}");
     }
 }
+
+/// Fitted in turn, crowded rings need dozens of rounds: after three their errors were ten times their standard deviations.
+#[test]
+fn crowded_rings_settle_together() {
+    let board = Board::new(7, 7, 0.03, 0.0055, 0.0105, Polarity::DarkOnLight).unwrap();
+    let options = DetectOptions {
+        estimator: Estimator::Photometric,
+        ..DetectOptions::default()
+    };
+    let poses = views(&CAMERA, &board, 2, 0.6, 5).unwrap();
+    let found: Vec<(Detection, Truth)> = poses
+        .into_iter()
+        .map(|pose| {
+            let mut scene = Scene::new(CAMERA, board.clone(), pose);
+            scene.defocus = Defocus::gaussian(9.5);
+            scene.light.margin = f64::INFINITY;
+            scene.sensor.read_noise = 0.005;
+            let rendering = render(&scene, 3).unwrap();
+            let detection = Detector::new(board.clone(), options).detect(&rendering.frame);
+            (detection.unwrap(), rendering.truth)
+        })
+        .collect();
+    let [shared, alone, normalised] = figures(&found);
+    assert!(shared < 0.7 * alone, "{shared} {alone}");
+    assert!((1.4..2.8).contains(&normalised), "{normalised}");
+}

@@ -18,6 +18,7 @@ fn model(blur: Blur, corner: bool) -> RingModel {
         anchor: Point2::new(31.0, 29.0),
         offset_px,
         angle,
+        bend: 2e-3,
     };
     RingModel {
         shape: Shape::from_parameters(&SHAPE),

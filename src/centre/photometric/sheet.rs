@@ -115,7 +115,7 @@ impl SheetRow {
                 self.missing[i] = missing;
                 self.by_blur[i] = -step.half_over_square * slope * distance;
                 self.by_edge[0][i] = -slope;
-                self.by_edge[1][i] = slope * first.along(i);
+                self.by_edge[1][i] = slope * first.turned(i);
             }
             return;
         };
@@ -135,9 +135,9 @@ impl SheetRow {
             let by_blur = k1 * distances[0] + k2 * distances[1];
             self.by_blur[i] = -step.half_over_square * by_blur;
             self.by_edge[0][i] = -k1;
-            self.by_edge[1][i] = k1 * first.along(i) - turn * more.by_rho;
+            self.by_edge[1][i] = k1 * first.turned(i) - turn * more.by_rho;
             self.by_edge[2][i] = -k2;
-            self.by_edge[3][i] = k2 * second.along(i) + turn * more.by_rho;
+            self.by_edge[3][i] = k2 * second.turned(i) + turn * more.by_rho;
         }
     }
 }
@@ -148,6 +148,7 @@ struct Line {
     distance: (f32, f32),
     along: (f32, f32),
     half_bend: f32,
+    offset: f32,
 }
 
 impl Line {
@@ -162,13 +163,25 @@ impl Line {
             ),
             along: (begin.dot(&along) as f32, (along.x * grid.pixel_px) as f32),
             half_bend: (0.5 * edge.bend) as f32,
+            offset: edge.offset_px as f32,
         }
     }
 
     /// How far beyond the edge a pixel is, px.
     fn distance(&self, column: usize) -> f32 {
         let along = self.along(column);
-        self.distance.0 + self.distance.1 * column as f32 - self.half_bend * along * along
+        self.beyond_tangent(column) - self.half_bend * along * along
+    }
+
+    /// The same of the line that touches the edge at the anchor's foot.
+    fn beyond_tangent(&self, column: usize) -> f32 {
+        self.distance.0 + self.distance.1 * column as f32
+    }
+
+    /// How that distance changes with the edge's angle, px per rad.
+    fn turned(&self, column: usize) -> f32 {
+        let across = self.beyond_tangent(column) + self.offset;
+        self.along(column) * (1.0 + 2.0 * self.half_bend * across)
     }
 
     /// How far along the edge it is from the anchor's foot, px.

@@ -115,7 +115,7 @@ impl SheetRow {
                 self.missing[i] = missing;
                 self.by_blur[i] = -step.half_over_square * slope * distance;
                 self.by_edge[0][i] = -slope;
-                self.by_edge[1][i] = slope * first.by_angle(i);
+                self.by_edge[1][i] = slope * first.turned(i);
             }
             return;
         };
@@ -135,9 +135,9 @@ impl SheetRow {
             let by_blur = k1 * distances[0] + k2 * distances[1];
             self.by_blur[i] = -step.half_over_square * by_blur;
             self.by_edge[0][i] = -k1;
-            self.by_edge[1][i] = k1 * first.by_angle(i) - turn * more.by_rho;
+            self.by_edge[1][i] = k1 * first.turned(i) - turn * more.by_rho;
             self.by_edge[2][i] = -k2;
-            self.by_edge[3][i] = k2 * second.by_angle(i) + turn * more.by_rho;
+            self.by_edge[3][i] = k2 * second.turned(i) + turn * more.by_rho;
         }
     }
 }
@@ -148,7 +148,6 @@ struct Line {
     distance: (f32, f32),
     along: (f32, f32),
     half_bend: f32,
-    /// From the anchor to the edge, px.
     offset: f32,
 }
 
@@ -171,13 +170,18 @@ impl Line {
     /// How far beyond the edge a pixel is, px.
     fn distance(&self, column: usize) -> f32 {
         let along = self.along(column);
-        self.distance.0 + self.distance.1 * column as f32 - self.half_bend * along * along
+        self.beyond_tangent(column) - self.half_bend * along * along
     }
 
-    /// How the distance falls where the edge turns: a bent edge turns with what it is bent about.
-    fn by_angle(&self, column: usize) -> f32 {
-        let out = self.distance.0 + self.distance.1 * column as f32 + self.offset;
-        self.along(column) * (1.0 + 2.0 * self.half_bend * out)
+    /// The same of the line that touches the edge at the anchor's foot.
+    fn beyond_tangent(&self, column: usize) -> f32 {
+        self.distance.0 + self.distance.1 * column as f32
+    }
+
+    /// How that distance changes with the edge's angle, px per rad.
+    fn turned(&self, column: usize) -> f32 {
+        let across = self.beyond_tangent(column) + self.offset;
+        self.along(column) * (1.0 + 2.0 * self.half_bend * across)
     }
 
     /// How far along the edge it is from the anchor's foot, px.

@@ -270,7 +270,7 @@ fn arccos(x: f32) -> f32 {
     let series = -0.050_174_305 + a * series;
     let series = 0.088_978_99 + a * series;
     let series = -0.214_598_8 + a * series;
-    let series = 1.570_796_3 + a * series;
+    let series = std::f32::consts::FRAC_PI_2 + a * series;
     let positive = (1.0 - a).max(0.0).sqrt() * series;
     if x < 0.0 {
         std::f32::consts::PI - positive

@@ -10,7 +10,7 @@ use super::blur::Psf;
 use super::border::mend;
 use super::choice::PsfChoice;
 use super::fit::{Given, Known, RingFitted};
-use super::joint::step_together;
+use super::joint::settle_together;
 use super::jury::verdict;
 use super::kept::{KeptRing, KeptWindow, RingMeasured, worth_keeping};
 use super::law::{CentreAndCovariance, share_perspective};
@@ -103,7 +103,7 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         .collect();
     for round in 0..ROUNDS {
         if round > 1 {
-            step_together(board.ratio, &mut rings);
+            settle_together(board.ratio, &mut rings);
         }
         let moved = fit_round(board, view.as_ref(), &mut rings, round);
         if !moved {
@@ -121,7 +121,7 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);
     }
     if even_out(board, &mut rings) {
-        step_together(board.ratio, &mut rings);
+        settle_together(board.ratio, &mut rings);
     }
     Usual::leave_out_covered(&mut rings);
     finish(board, verdict.psf, rings, &camera)

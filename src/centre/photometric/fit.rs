@@ -7,6 +7,7 @@ use super::model::{BLUR, Matrix, PARAMETERS, RING_PARAMETERS, RingModel, SHEET, 
 use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::sheet::EDGE_PARAMETERS;
+use super::wall::Wall;
 use super::window::Window;
 use nalgebra::{Matrix2, SMatrix, SVector};
 use std::ops::Range;
@@ -184,6 +185,7 @@ struct Fit<'a, 'b> {
     start: RingModel,
     parameters: Vector,
     normal: Normal,
+    wall: Wall,
     damping: f64,
     given: Given,
     pixels: usize,
@@ -209,13 +211,16 @@ impl<'a, 'b> Fit<'a, 'b> {
         if pixels < 2 * PARAMETERS {
             return Err(FitError::TooFewPixels { pixels });
         }
-        let normal = room.normal(problem, start).ok_or(FitError::Undetermined)?;
+        let mut normal = room.normal(problem, start).ok_or(FitError::Undetermined)?;
+        let (parameters, wall) = (start.parameters(), Wall::of(&normal.matrix));
+        normal.squares += wall.push(&parameters, &mut normal.gradient);
         Ok(Fit {
             problem,
             room,
             start: *start,
-            parameters: start.parameters(),
+            parameters,
             normal,
+            wall,
             damping: match given {
                 Given::Nothing => DAMPING.0,
                 Given::NearStart | Given::Shape | Given::Perspective => 0.0,
@@ -258,8 +263,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             }
             let next = moved(&self.parameters, &step);
             if self.is_short(&step) {
-                let model = self.start.with_parameters(&next);
-                match self.room.gradient(self.problem, &model) {
+                match self.gradient(&next) {
                     Some((gradient, squares)) if squares <= self.normal.squares => {
                         self.parameters = next;
                         self.normal.gradient = gradient;
@@ -276,10 +280,7 @@ impl<'a, 'b> Fit<'a, 'b> {
                 }
                 continue;
             }
-            match self
-                .room
-                .normal(self.problem, &self.start.with_parameters(&next))
-            {
+            match self.normal(&next) {
                 Some(normal) if normal.squares < self.normal.squares => {
                     self.parameters = next;
                     self.normal = normal;
@@ -299,15 +300,31 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Computes the derivatives where the fit stands.
     fn renew(&mut self) -> Result<(), FitError> {
-        let model = self.start.with_parameters(&self.parameters);
-        let normal = self.room.normal(self.problem, &model);
-        self.normal = normal.ok_or(FitError::Undetermined)?;
+        let parameters = self.parameters;
+        self.normal = self.normal(&parameters).ok_or(FitError::Undetermined)?;
         Ok(())
+    }
+
+    /// The normal equations elsewhere.
+    fn normal(&mut self, parameters: &Vector) -> Option<Normal> {
+        let model = self.start.with_parameters(parameters);
+        let mut normal = self.room.normal(self.problem, &model)?;
+        normal.squares += self.wall.push(parameters, &mut normal.gradient);
+        Some(normal)
+    }
+
+    /// Gradient and sum of squares elsewhere, with the derivatives that are there.
+    fn gradient(&mut self, parameters: &Vector) -> Option<(Vector, f64)> {
+        let model = self.start.with_parameters(parameters);
+        let (mut gradient, squares) = self.room.gradient(self.problem, &model)?;
+        let pushed = self.wall.push(parameters, &mut gradient);
+        Some((gradient, squares + pushed))
     }
 
     /// The damped step (Marquardt's scaling).
     fn step(&self) -> Option<Vector> {
         let (mut matrix, mut gradient) = (self.matrix(), self.normal.gradient);
+        self.wall.stiffen(&self.parameters, &mut matrix);
         self.given.held().for_each(|k| gradient[k] = 0.0);
         if self.parameters[BLUR] <= 0.0 && gradient[BLUR] <= 0.0 {
             // no blur at all, and less were better still

@@ -5,6 +5,7 @@ use super::board::{BoardPlace, BoardStart};
 use super::choice::PsfChoice;
 use super::fit::{FitError, Given, Known, RingFitted};
 use super::jury::relative_size;
+use super::likes::among_likes;
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
@@ -100,6 +101,7 @@ pub(super) fn follow(
             disc: fit(Psf::Disc),
         },
     };
+    let both = among_likes(board, (place, view), &pixels, both, room);
     let ended = both.likelier().ok()?;
     gate(&board.seen(place), ended).is_ok().then_some(both)
 }
@@ -161,6 +163,7 @@ pub(super) fn hear(
     } else {
         with_large_disc(&known, &seen, both, room)
     };
+    let both = among_likes(board, (place, view), &pixels, both, room);
     both.likelier().ok().and_then(gated)?;
     Some((both, pixels))
 }

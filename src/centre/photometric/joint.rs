@@ -21,6 +21,7 @@ use super::model::{BLUR, INSIDE, Matrix, PAPER, PARAMETERS, RING, RingModel, Vec
 use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::under::Under;
+use super::wall::Wall;
 use nalgebra::{DVector, SMatrix};
 use rayon::prelude::*;
 
@@ -29,12 +30,17 @@ const SHOWN: usize = SHAPE_PARAMETERS + 1;
 /// Derivatives of one ring times those by another's parameters.
 type Coupling = SMatrix<f64, PARAMETERS, SHOWN>;
 
+/// Steps at most: rings that began with twice their contrast and half their size come back in a dozen.
+const STEPS: usize = 16;
+/// Another step is worth its while where the last one has lowered the sum of squares by this many variances for each ring: what is left
+/// of a centre's error then is a few per cent of the noise's.
+const WORTH_ANOTHER: f64 = 0.03;
 /// A step moves no outline by more than this (blur sigmas) and changes no contrast by more than this part of it: what is farther off is
 /// no longer linear.
 const LONGEST: f64 = 0.7;
 const MOST_CONTRAST: f64 = 0.2;
 /// Shares of the step that are tried until one lowers the sum of squares.
-const SHARES: [f64; 2] = [1.0, 0.4];
+const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 
 /// Inverse of L_i^T, the gradient, and the couplings with their rings' numbers.
 type Alone = (Matrix, Vector, Vec<(usize, Coupling)>);
@@ -48,10 +54,20 @@ struct Part {
     by_others: Vec<(usize, Matrix)>,
 }
 
-/// Moves all rings that are fitted to where none of them would want to move any more, to first order.
-pub(super) fn step_together(ratio: f64, rings: &mut [Under]) {
+/// Moves all rings that are fitted to where none of them would want to move any more.
+pub(super) fn settle_together(ratio: f64, rings: &mut [Under]) {
+    for _ in 0..STEPS {
+        let gain = step_together(ratio, rings);
+        if gain < WORTH_ANOTHER * rings.len() as f64 {
+            return;
+        }
+    }
+}
+
+/// One such step, to first order. Returns by how much it has lowered the sum of squares, in variances of the rings' noise.
+fn step_together(ratio: f64, rings: &mut [Under]) -> f64 {
     let Some(parts) = parts(ratio, rings) else {
-        return;
+        return 0.0;
     };
     let size = PARAMETERS * parts.len();
     let mut right = DVector::zeros(size);
@@ -71,7 +87,7 @@ pub(super) fn step_together(ratio: f64, rings: &mut [Under]) {
         out
     };
     let Some(solution) = gmres(&right, product) else {
-        return;
+        return 0.0;
     };
     let steps: Vec<Vector> = parts
         .iter()
@@ -86,16 +102,18 @@ pub(super) fn step_together(ratio: f64, rings: &mut [Under]) {
             .zip(&steps)
             .map(|(model, step)| moved(model, &(step * share)).unwrap_or(*model))
             .collect();
-        if squares_of_all(ratio, rings, &models) < squares {
+        let gain = squares - squares_of_all(ratio, rings, &models);
+        if gain > 0.0 {
             for (ring, model) in rings.iter_mut().zip(models) {
                 if let Ok(fitted) = &mut ring.fitted {
                     ring.model = model;
                     fitted.model = model;
                 }
             }
-            return;
+            return gain;
         }
     }
+    0.0
 }
 
 /// What all rings leave in their windows, in variances of their noise.
@@ -169,14 +187,17 @@ fn part(
         .map(|j| (j, &models[j]))
         .collect();
     let (normal, couplings) = room.couplings(&problem, &ring.model, &others)?;
-    let mut matrix = normal.matrix;
+    let (mut matrix, mut gradient) = (normal.matrix, normal.gradient);
+    let (parameters, wall) = (ring.model.parameters(), Wall::of(&matrix));
+    wall.push(&parameters, &mut gradient);
+    wall.stiffen(&parameters, &mut matrix);
     matrix[(BLUR, BLUR)] += BLUR_PRIOR;
     let scales = diagonal_scales::<PARAMETERS>(&matrix);
     let unit = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
     let inverse = unit.cholesky()?.l().try_inverse()?;
     let back = Matrix::from_fn(|i, j| scales[i] * inverse[(j, i)]);
     let couplings = others.iter().map(|(j, _)| *j).zip(couplings).collect();
-    Some((back, normal.gradient, couplings))
+    Some((back, gradient, couplings))
 }
 
 /// The model after a step, which is cut where it is too long; `None` where nothing is left of the ring.

@@ -41,6 +41,7 @@ mod jury;
 mod kept;
 mod law;
 mod lens_map;
+mod likes;
 mod model;
 mod normal;
 mod plane;
@@ -60,6 +61,7 @@ mod trust;
 mod under;
 mod uneven;
 mod usual;
+mod wall;
 mod window;
 
 pub use bent::bent;

@@ -1,0 +1,80 @@
+//! A juror among rings like itself.
+//!
+//! A jury is heard before anything is known of the other rings. Where their blurred skirts fall into its window, a ring that is fitted as
+//! if it stood alone takes them for its own: blur and contrast are wrong by half and more, and all that starts from them ends in
+//! valleys of the sum of squares that no step leads out of. But the others are rings of the same board in about the same blur: they are
+//! drawn as the juror was fitted, where they were seen, and it is fitted again, until it stays.
+
+use super::around::around;
+use super::board::{BoardPlace, BoardStart};
+use super::fit::{FitError, Given, Known, RingFitted};
+use super::hearing::shape_of;
+use super::jury::relative_size;
+use super::model::RingModel;
+use super::plane::PlaneView;
+use super::problem::Workspace;
+use super::psf::Both;
+use super::window::Window;
+
+/// Fits at most, and the relative change of its blur at which it stays.
+const FITS: usize = 8;
+const STAYS: f64 = 0.01;
+
+/// The fits of a juror among the others; as they were where none is in reach.
+pub(super) fn among_likes(
+    board: &BoardStart,
+    (place, view): (&BoardPlace, Option<&PlaneView>),
+    window: &Window,
+    mut both: Both,
+    room: &mut Workspace,
+) -> Both {
+    let Some(own) = board.places.iter().position(|other| other == place) else {
+        return both;
+    };
+    for _ in 0..FITS {
+        let Ok(before) = both.likelier() else {
+            return both;
+        };
+        let models = likes(board, (place, view), &before);
+        let Some(around) = around(&window.grid, board.ratio, (own, &models), room) else {
+            return both;
+        };
+        let known = Known {
+            window,
+            ratio: board.ratio,
+            around: Some(&around),
+            given: Given::NearStart,
+        };
+        let mut again = |fit: Result<RingFitted, FitError>| {
+            fit.and_then(|f| known.fit_with(&f.model, f.model.blur.psf, room))
+        };
+        let next = Both {
+            gaussian: again(both.gaussian),
+            disc: again(both.disc),
+        };
+        let Ok(after) = next.likelier() else {
+            return both;
+        };
+        both = next;
+        let (old_px, new_px) = (before.model.blur.sigma_px(), after.model.blur.sigma_px());
+        if (new_px - old_px).abs() < STAYS * old_px {
+            break;
+        }
+    }
+    both
+}
+
+/// All rings of the board as one of them was fitted, each where it was seen.
+fn likes(
+    board: &BoardStart,
+    (place, view): (&BoardPlace, Option<&PlaneView>),
+    fitted: &RingFitted,
+) -> Vec<RingModel> {
+    let size = relative_size(place, fitted);
+    let like = |other: &BoardPlace| RingModel {
+        shape: shape_of(other, view).scaled(size),
+        sheet: None,
+        ..fitted.model
+    };
+    board.places.iter().map(like).collect()
+}

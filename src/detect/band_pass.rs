@@ -4,6 +4,7 @@
 //! long as it shows as a local extremum at all; a global or mid-level threshold loses it much earlier. One window size
 //! serves the rings of about one octave; the pyramid supplies the others.
 
+use super::margins::Margins;
 use crate::frame::{Pixel, Plane, widest};
 use rayon::prelude::*;
 
@@ -13,27 +14,23 @@ pub(super) const HALF_WINDOW: usize = 8;
 /// Rows that one task computes; fixed, so that sums run in the same order whatever the threads.
 const ROWS_PER_TASK: usize = 32;
 
-/// The smoothed picture minus its local mean, and how noisy it is.
+/// The smoothed picture minus its local mean, and how noisy it is where.
 #[derive(Debug, Clone)]
 pub(super) struct BandPass {
     /// Grey difference; positive where lighter than the surroundings.
     pub(super) plane: Plane<f32>,
-    /// Differences smaller than this are not told from noise or quantisation.
-    pub(super) margin: f32,
+    /// Differences smaller than these are not told from noise or quantisation.
+    pub(super) margins: Margins,
 }
-
-/// How far above the noise a difference must be, in standard deviations.
-const NOISE_FACTOR: f32 = 2.5;
-/// The least difference that counts, as a fraction of the picture's range.
-const RANGE_FRACTION: f32 = 0.008;
 
 impl BandPass {
     /// Of a picture; `sign` is 1 where rings are dark and -1 where they are light, so that inner discs are positive.
     pub(super) fn of<T: Pixel>(picture: &Plane<T>, sign: f32) -> Self {
         let smooth = smooth(picture);
-        let margin = (NOISE_FACTOR * noise(&smooth)).max(RANGE_FRACTION * range(&smooth));
-        let plane = less_mean(&smooth, sign);
-        Self { plane, margin }
+        Self {
+            margins: Margins::of(&smooth),
+            plane: less_mean(&smooth, sign),
+        }
     }
 }
 
@@ -184,52 +181,6 @@ fn add_shifted(values: &[f32], by: usize, out: &mut [f32]) {
     for (out, (a, b)) in out.iter_mut().zip(values.iter().zip(&values[by..])) {
         *out = a + b;
     }
-}
-
-/// Every how many pixels the statistics of a picture are sampled at least, and how many samples are enough.
-const SAMPLING: usize = 7;
-const SAMPLES: usize = 6000;
-
-/// Every how many pixels, each way.
-fn sampling(picture: &Plane<f32>) -> usize {
-    let pixels = picture.width() * picture.height();
-    SAMPLING.max((pixels / SAMPLES).isqrt())
-}
-
-/// Standard deviation of the noise that smoothing left: the median of second differences over three pixels, which
-/// structure hardly moves.
-fn noise(smooth: &Plane<f32>) -> f32 {
-    let every = sampling(smooth);
-    let mut differences: Vec<f32> = (0..smooth.height())
-        .step_by(every)
-        .flat_map(|y| {
-            smooth
-                .row(y)
-                .windows(7)
-                .step_by(every)
-                .map(|w| (w[3] - 0.5 * (w[0] + w[6])).abs())
-        })
-        .collect();
-    // three independent pixels with weights 1, 1/2, 1/2: variance 1.5; the median of |normal| is 0.6745 sigma
-    quantile(&mut differences, 0.5) / (0.6745 * 1.5_f32.sqrt())
-}
-
-/// From the 2nd to the 98th percentile of the grey values.
-fn range(smooth: &Plane<f32>) -> f32 {
-    let every = sampling(smooth);
-    let mut values: Vec<f32> = (0..smooth.height())
-        .step_by(every)
-        .flat_map(|y| smooth.row(y).iter().step_by(every).copied())
-        .collect();
-    quantile(&mut values, 0.98) - quantile(&mut values, 0.02)
-}
-
-fn quantile(values: &mut [f32], fraction: f32) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let at = ((values.len() - 1) as f32 * fraction) as usize;
-    *values.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
 #[cfg(test)]

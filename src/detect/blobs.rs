@@ -2,6 +2,7 @@
 //! them.
 
 use super::band_pass::BandPass;
+use super::margins::TILE;
 use nalgebra::{Matrix2, Point2};
 
 /// A connected patch by its moments, px of its level.
@@ -106,9 +107,10 @@ pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
     let mut runs: Vec<Run> = Vec::new();
     for y in 0..band.plane.height() {
         let row = band.plane.row(y);
+        let margins = band.margins.of_row(y);
         match side {
-            Side::Light => runs_of(row, &mut runs, |v| v > band.margin),
-            Side::Dark => runs_of(row, &mut runs, |v| v < -band.margin),
+            Side::Light => runs_of(row, margins, &mut runs, |v, margin| v > margin),
+            Side::Dark => runs_of(row, margins, &mut runs, |v, margin| v < -margin),
         }
         let mut first = 0;
         for run in &mut runs {
@@ -138,8 +140,8 @@ pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
 /// Pixels that are looked at together: most lie in the midst of many that are all inside or all outside.
 const TOGETHER: usize = 16;
 
-/// The runs of pixels inside, in the order of the row.
-fn runs_of(row: &[f32], runs: &mut Vec<Run>, inside: impl Fn(f32) -> bool) {
+/// The runs of pixels inside, in the order of the row; `margins` are those of its tiles.
+fn runs_of(row: &[f32], margins: &[f32], runs: &mut Vec<Run>, inside: impl Fn(f32, f32) -> bool) {
     runs.clear();
     let mut begin = None;
     let mut turn = |x: usize, is_in: bool, begin: &mut Option<u32>| match (*begin, is_in) {
@@ -155,13 +157,14 @@ fn runs_of(row: &[f32], runs: &mut Vec<Run>, inside: impl Fn(f32) -> bool) {
         _ => {}
     };
     for (i, part) in row.chunks(TOGETHER).enumerate() {
-        let count: u32 = part.iter().map(|&v| u32::from(inside(v))).sum();
         let first = i * TOGETHER;
+        let margin = margins[first / TILE];
+        let count: u32 = part.iter().map(|&v| u32::from(inside(v, margin))).sum();
         if count == 0 || count as usize == part.len() {
             turn(first, count > 0, &mut begin);
         } else {
             for (x, &value) in part.iter().enumerate() {
-                turn(first + x, inside(value), &mut begin);
+                turn(first + x, inside(value, margin), &mut begin);
             }
         }
     }
@@ -190,6 +193,7 @@ fn union(parents: &mut [u32], sums: &mut [Sums], a: u32, b: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::margins::Margins;
     use super::*;
     use crate::frame::Plane;
 
@@ -204,7 +208,7 @@ mod tests {
             .collect();
         BandPass {
             plane: Plane::from_vec(rows[0].len(), rows.len(), data).unwrap(),
-            margin: 0.5,
+            margins: Margins::everywhere(0.5, rows[0].len(), rows.len()),
         }
     }
 
@@ -240,7 +244,8 @@ mod tests {
                 })
                 .collect();
             let plane = Plane::from_vec(25, 25, data).unwrap();
-            blobs_of(&BandPass { plane, margin: 0.5 })[0].ellipse_misfit()
+            let margins = Margins::everywhere(0.5, 25, 25);
+            blobs_of(&BandPass { plane, margins })[0].ellipse_misfit()
         };
         assert!(misfit(&disc) < 0.02);
         assert!(misfit(&cross) > 0.4);

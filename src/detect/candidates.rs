@@ -73,14 +73,16 @@ fn along_rays<T>(axes: &Matrix2<f64>, find: impl Fn(Vector2<f64>) -> Option<T>) 
     Some(found)
 }
 
-/// The compact patches of a level; where there are too many, those that stand out most, in the order in which they were found.
+/// The compact patches of a level; where there are too many, those that stand out most from the noise about
+/// them, in the order in which they were found.
 fn compact(band: &BandPass, side: Side) -> Vec<Blob> {
     let mut compact = blobs(band, side);
     compact.retain(is_compact);
     if compact.len() > MOST_PATCHES {
         let height = |blob: &Blob| {
-            let middle = band.plane.bilinear(blob.centre.x, blob.centre.y);
-            middle.unwrap_or(0.0).abs()
+            let (x, y) = (blob.centre.x, blob.centre.y);
+            let middle = band.plane.bilinear(x, y).unwrap_or(0.0).abs();
+            middle / band.margins.at(x, y).max(f32::MIN_POSITIVE)
         };
         let mut heights: Vec<f32> = compact.iter().map(height).collect();
         let at = compact.len() - MOST_PATCHES;
@@ -150,7 +152,7 @@ fn cross_ring(
         let p = centre + axis * t;
         band.plane.bilinear(p.x, p.y).map(f64::from)
     };
-    let margin = f64::from(band.margin);
+    let margin = f64::from(band.margins.at(centre.x, centre.y));
     let mut previous = (0.0, at(0.0)?);
     let (mut inner, mut darkest) = (None, 0.0_f64);
     let steps = (reach / STEP) as usize;

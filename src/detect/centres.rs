@@ -169,7 +169,7 @@ fn of_measured(at: (u16, u16), ring: RingMeasured, ratio: f64) -> Option<Ring> {
     })
 }
 
-/// The centre from edges that are measured with all care now.
+/// The centre from edges that are measured with all care now; `None` where they do not show a ring either.
 fn fall_back(
     (frame, board, sign): (&Frame, &Board, f64),
     ring: &Placed,
@@ -184,14 +184,12 @@ fn fall_back(
         board.radius_ratio(),
         Care::Edges,
     );
-    let ellipses = careful.and_then(|fit| {
-        Some(RingEllipses {
-            inner: fit.inner?,
-            outer: fit.outer,
-        })
-    });
+    let careful = careful?;
     let ring = Placed {
-        ellipses: ellipses.unwrap_or(ring.ellipses),
+        ellipses: RingEllipses {
+            inner: careful.inner?,
+            outer: careful.outer,
+        },
         ..*ring
     };
     report.fell_back.push(FellBack {

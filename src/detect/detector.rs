@@ -16,6 +16,7 @@ use crate::camera::Camera;
 use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
 use crate::frame::Frame;
+use std::ops::Range;
 
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -45,8 +46,9 @@ const LEAST_RING_PX: usize = 6;
 
 /// Fraction of a board's rings that must have a ring's grey values.
 const LEAST_MEASURED: f64 = 0.5;
-/// Contrast across the inner circle over that across the outer: 1 in print, less than a quarter where a dot is taken for a ring.
-const LEAST_INSIDE: f64 = 0.5;
+/// Contrast across the inner circle over that across the outer: 1 in print, less than a quarter where a dot is taken for a ring, more
+/// than twice where a fit under heavy blur makes up levels that no print has, to resemble a spot of another shape.
+const INSIDE: Range<f64> = 0.5..2.0;
 /// Blur sigma over the ring's width from which edges say so little that blur is to blame.
 const HEAVY: f64 = 0.5;
 
@@ -172,7 +174,7 @@ fn measured(rings: &[Ring]) -> impl Iterator<Item = &Ring> {
     rings.iter().filter(|ring| {
         ring.kept.as_ref().is_some_and(|kept| {
             let model = &kept.fitted.model;
-            (model.inside - model.ring) / (model.paper - model.ring) > LEAST_INSIDE
+            INSIDE.contains(&((model.inside - model.ring) / (model.paper - model.ring)))
         })
     })
 }

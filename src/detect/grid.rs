@@ -2,6 +2,7 @@
 
 use super::detection::{Indices, Miss};
 use super::detector::DetectOptions;
+use super::edges::median;
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::marks::numbering_by_marks;
 use super::orientation::{Numbering, choose};
@@ -14,6 +15,10 @@ use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
 use std::collections::BTreeMap;
 
+/// How large drowned rings look, over their true size: tried after 1.
+const DROWNED_SIZES: [f64; 2] = [0.7, 0.5];
+/// A ring is taken for one of the board's if its size is that of the others within this (logarithm).
+const SAME_SIZE: f64 = 0.5;
 /// A ring this much smaller or larger (logarithm) than the board says is seen with its contrast inverted.
 const ALIKE: f64 = 0.25;
 /// One ring of the board: where it is on the board and what it looks like.
@@ -86,7 +91,7 @@ fn measured<'a>(
     }
     let spacing = board.pitch_m() / board.outer_radius_m();
     let outers: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
-    let lattices = lattices(&outers, spacing);
+    let lattices = lattices_of_any_size(board, rings, &outers, spacing);
     // a board that is less than half seen is no second one
     let boards = lattices
         .iter()
@@ -106,6 +111,32 @@ fn measured<'a>(
     );
     measured.complete();
     Ok((measured, another))
+}
+
+/// The lattices of rings. Where most inner discs have drowned, blur as large as the rings lets them look smaller than they are, so that
+/// their neighbours seem too far away; then other sizes are tried until one makes a board of them.
+fn lattices_of_any_size(
+    board: &Board,
+    rings: &[RingFit],
+    outers: &[Ellipse],
+    spacing: f64,
+) -> Vec<Lattice> {
+    let mut best = lattices(outers, spacing);
+    let drowned = rings.iter().filter(|ring| ring.inner.is_none()).count();
+    let largest = |found: &[Lattice]| found.first().map_or(0, |l| l.members.len());
+    if 2 * drowned <= rings.len() {
+        return best;
+    }
+    for size in DROWNED_SIZES {
+        if 2 * largest(&best) >= board.ring_count() {
+            break;
+        }
+        let other = lattices(outers, spacing / size);
+        if largest(&other) > largest(&best) {
+            best = other;
+        }
+    }
+    best
 }
 
 /// Mean size of a lattice's rings, px.
@@ -138,6 +169,8 @@ pub(super) struct Measured<'a> {
     care: Care,
     pub(super) rings: BTreeMap<Label, RingFit>,
     pub(super) places: Places,
+    /// How large the rings look, over what the board says.
+    size: f64,
 }
 
 impl<'a> Measured<'a> {
@@ -154,14 +187,17 @@ impl<'a> Measured<'a> {
             .iter()
             .map(|(&label, &at)| (label, rings[at]))
             .collect();
-        Self {
+        let mut measured = Self {
             frame,
             board,
             sign,
             care,
             rings,
             places: lattice.places.clone(),
-        }
+            size: 1.0,
+        };
+        measured.settle_size();
+        measured
     }
 
     /// Looks for rings at every free place of the board; where the lattice is smaller than the board, also one step
@@ -188,6 +224,18 @@ impl<'a> Measured<'a> {
         let rings = self.rings.iter();
         if let Some(places) = Places::fit(rings.map(|(&label, ring)| (label, ring.outer.centre))) {
             self.places = places;
+        }
+        self.settle_size();
+    }
+
+    fn settle_size(&mut self) {
+        let size = |(&label, ring): (&Label, &RingFit)| {
+            let expected = self.predicted_ellipses(label)?.outer;
+            Some(ring.outer.mean_radius() / expected.mean_radius())
+        };
+        let mut sizes: Vec<f64> = self.rings.iter().filter_map(size).collect();
+        if !sizes.is_empty() {
+            self.size = median(&mut sizes);
         }
     }
 
@@ -239,7 +287,8 @@ impl<'a> Measured<'a> {
             .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio, self.care))?;
         let place = self.places.expect(label)?;
         let near = (ring.outer.centre - place.at).norm() < 0.25 * place.step_px();
-        let alike = (ring.outer.major / rough.outer.major).ln().abs() < 0.5;
+        let relative = ring.outer.major / (self.size * rough.outer.major);
+        let alike = relative.ln().abs() < SAME_SIZE;
         (near && alike).then_some(ring)
     }
 

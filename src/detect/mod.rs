@@ -11,6 +11,7 @@ mod ellipse_fit;
 mod grid;
 mod labelling;
 mod light;
+mod margins;
 mod marks;
 mod nearby;
 mod orientation;

@@ -153,7 +153,11 @@ pub(super) fn sure_centres(
     let first = centres(frame, board, &placed, &by_grey, sign);
     let is_wrong = |line: &Line| match lines.contains(line) {
         true => !is_alike(board, *line, &first.0, ALIKE * seen(board, *line, &placed)),
-        false => is_unmeasured(board, *line, &first.0),
+        // a blot may look like one ring and another, but not like all of a line
+        false => {
+            seen(board, *line, &placed) < line.rings(board) as f64
+                && is_unmeasured(board, *line, &first.0)
+        }
     };
     let wrong: Vec<Line> = Line::ALL.into_iter().filter(is_wrong).collect();
     if wrong.is_empty() {

@@ -12,12 +12,15 @@ const MOST_BENT: f64 = 0.08;
 /// Standard deviation of the rings' sizes about the board's (logarithm): blur changes them all alike.
 const MOST_UNEVEN: f64 = 0.15;
 /// The same where (nearly) every place of the board has a ring and all lie as exactly as this: a blur that inverts the contrast of some
-/// rings lets those look half as large as the others.
+/// rings lets those look half as large as the others. Where most inner discs have drowned, nothing lies as exactly.
 const MOST_UNEVEN_WHERE_WHOLE: f64 = 0.45;
 const WHOLE: f64 = 0.9;
 const LEAST_BENT: f64 = 0.03;
+const LEAST_BENT_IF_DROWNED: f64 = 0.06;
 /// The rings' common size over the board's: blur makes them larger, a roughly measured board either.
 const SIZE: (f64, f64) = (0.6, 1.7);
+/// Where most inner discs have drowned they look smaller, the more the closer the blur is to the ring's own size.
+const LEAST_SIZE_IF_DROWNED: f64 = 0.35;
 /// The faintest ring's contrast over the strongest's: a shadow over a part of the board leaves more.
 const LEAST_CONTRAST: f64 = 0.06;
 
@@ -44,7 +47,13 @@ pub(super) fn is_plausible(
         |pick: fn(f64, f64) -> f64, start| rings.values().map(|r| r.contrast).fold(start, pick);
     let (faintest, strongest) = (contrast(f64::min, f64::MAX), contrast(f64::max, 0.0));
     let bent = (bent / count).sqrt();
-    let whole = count >= WHOLE * board.ring_count() as f64 && bent < LEAST_BENT;
+    let drowned = 2 * rings.values().filter(|r| r.inner.is_none()).count() > rings.len();
+    let (least_bent, least_size) = if drowned {
+        (LEAST_BENT_IF_DROWNED, LEAST_SIZE_IF_DROWNED)
+    } else {
+        (LEAST_BENT, SIZE.0)
+    };
+    let whole = count >= WHOLE * board.ring_count() as f64 && bent < least_bent;
     let most_uneven = if whole {
         MOST_UNEVEN_WHERE_WHOLE
     } else {
@@ -52,6 +61,6 @@ pub(super) fn is_plausible(
     };
     bent < MOST_BENT
         && uneven < most_uneven
-        && (SIZE.0..SIZE.1).contains(&common.exp())
+        && (least_size..SIZE.1).contains(&common.exp())
         && faintest > LEAST_CONTRAST * strongest
 }

@@ -8,7 +8,7 @@ use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::sheet::EDGE_PARAMETERS;
 use super::window::Window;
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
 use std::ops::Range;
 
 /// Steps at most, accepted or not. Where blur and size can hardly be told apart a fit creeps along a valley.
@@ -62,6 +62,16 @@ impl RingFitted {
         let apart: SVector<f64, SHAPE_PARAMETERS> = parameters(&self) - parameters(other);
         self.covariance += apart * apart.transpose();
         self
+    }
+
+    /// Standard deviation of the outer radius, relative to it.
+    pub fn size_deviation(&self) -> f64 {
+        let [xx, xy, yy] = self.model.shape.affine;
+        let determinant = xx * yy - xy * xy;
+        // the radius goes with the determinant's -1/4th power
+        let by_affine = Vector3::new(yy, -2.0 * xy, xx) * (-0.25 / determinant);
+        let affine = self.covariance.fixed_view::<3, 3>(AFFINE, AFFINE);
+        by_affine.dot(&(affine * by_affine)).max(0.0).sqrt()
     }
 
     /// Covariance of the projected centre, px^2.

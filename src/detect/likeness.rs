@@ -14,8 +14,8 @@ use nalgebra::Vector2;
 use std::collections::BTreeMap;
 
 /// The rings' common radius over the board file's (logarithm): who measures a board by a ruler is nearer than that.
-const MOST_OFF: f64 = 0.15;
-/// Spread of the rings' sizes from one to the next (logarithm, one standard deviation). Blur of a shape that the model does not have leaves
+const MOST_OFF: f64 = 0.12;
+/// Spread of the rings' sizes about that (logarithm, one standard deviation). Blur of a shape that the model does not have leaves
 /// half of it.
 const MOST_UNEVEN: f64 = 0.045;
 /// Spread of the part of the light that print swallows, relative to it.
@@ -70,12 +70,11 @@ fn fits(rings: &[Ring]) -> BTreeMap<Label, &RingFitted> {
     fits.collect()
 }
 
-/// Sizes of the rings (logarithms).
+/// Sizes of the rings over those that the board file says they have where they are (logarithms). Where that is say the steps to the rings
+/// beside each: whatever plane and lens do to a ring they do to these.
 struct Sizes {
-    /// Over those that the board file says they have where they are.
     common: f64,
-    /// Standard deviation of a ring's about that of the two beside it. How a plane stands and what a lens does to it changes sizes
-    /// evenly from ring to ring, and is no difference.
+    /// Standard deviation of a ring's about that.
     spread: f64,
     /// Standard deviation of one of them by its own fit.
     deviation: f64,
@@ -89,19 +88,11 @@ fn sizes(board: &Board, fits: &BTreeMap<Label, &RingFitted>) -> Sizes {
         let square_px = across.perp(&down).abs();
         Some(log_size(fitted) - (part * square_px.sqrt()).ln())
     });
-    let differences = fits.keys().flat_map(|&(column, row)| {
-        [(1, 0), (0, 1)].into_iter().filter_map(move |(dx, dy)| {
-            let size = |k: i32| {
-                fits.get(&(column + k * dx, row + k * dy))
-                    .map(|f| log_size(f))
-            };
-            Some((size(-1)? + size(1)? - 2.0 * size(0)?) / 6.0_f64.sqrt())
-        })
-    });
+    let (common, spread) = quartiles(over_file.collect());
     let deviations = fits.values().map(|fitted| fitted.size_deviation());
     Sizes {
-        common: quartiles(over_file.collect()).0,
-        spread: quartiles(differences.collect()).1,
+        common,
+        spread,
         deviation: quartiles(deviations.collect()).0,
     }
 }
@@ -112,7 +103,7 @@ fn log_size(fitted: &RingFitted) -> f64 {
     -0.25 * (xx * yy - xy * xy).max(f64::MIN_POSITIVE).ln()
 }
 
-/// From one ring to the next about a label, px; `None` where it has no neighbour there.
+/// From one ring to the next at a label, px, right up to second differences; `None` where it has too few neighbours.
 fn step(
     fits: &BTreeMap<Label, &RingFitted>,
     (column, row): Label,
@@ -120,15 +111,16 @@ fn step(
 ) -> Option<Vector2<f64>> {
     let at = |k: i32| {
         let fitted = fits.get(&(column + k * dx, row + k * dy))?;
-        Some(fitted.model.shape.centre)
+        Some(fitted.model.shape.centre.coords)
     };
-    let own = at(0)?;
-    match (at(-1), at(1)) {
-        (Some(before), Some(after)) => Some((after - before) * 0.5),
-        (Some(before), None) => Some(own - before),
-        (None, Some(after)) => Some(after - own),
-        (None, None) => None,
-    }
+    let one_sided = |sign: i32| {
+        let (own, next, second) = (at(0)?, at(sign)?, at(2 * sign)?);
+        Some((next * 4.0 - own * 3.0 - second) * (0.5 * f64::from(sign)))
+    };
+    let both_sided = || Some((at(1)? - at(-1)?) * 0.5);
+    both_sided()
+        .or_else(|| one_sided(1))
+        .or_else(|| one_sided(-1))
 }
 
 /// The darker of paper and ring over the lighter.

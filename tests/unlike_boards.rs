@@ -138,3 +138,12 @@ fn dots_of_all_sizes_are_no_board() {
         assert!(detect(&frame).is_err());
     }
 }
+
+#[test]
+fn where_blur_leaves_nothing_of_a_ring_no_board_is_claimed() {
+    for blur_px in [6, 7, 8] {
+        let side = |at: Vector2<f64>| at.x.abs().max(at.y.abs());
+        let frame = picture(26.0, blur_px, |at, _| side(at) < RADIUS);
+        assert!(detect(&frame).is_err(), "{blur_px}");
+    }
+}

@@ -24,6 +24,9 @@ const MOST_CONTRASTS: f64 = 0.25;
 const DARKEST: f64 = -0.1;
 /// How far outlines may be from circles, in radii.
 const MOST_OUT_OF_ROUND: f64 = 0.04;
+/// Blur sigma over the ring's width beyond which a fit lays a ring into whatever has a soft edge: nothing tells them apart. (A board can be measured
+/// up to about once the width.)
+const MOST_BLURRED: f64 = 1.5;
 /// Standard deviations that count as uncertain.
 const DEVIATIONS: f64 = 2.0;
 
@@ -31,7 +34,7 @@ const DEVIATIONS: f64 = 2.0;
 const QUARTILES: f64 = 1.35;
 
 /// # Errors
-/// [`Miss::OtherRadius`] or [`Miss::Unlike`] where the rings are none of this board's.
+/// [`Miss::TooBlurred`] where nobody can tell, [`Miss::OtherRadius`] or [`Miss::Unlike`] where the rings are none of this board's.
 pub(super) fn are_the_boards(
     board: &Board,
     rings: &[Ring],
@@ -40,6 +43,11 @@ pub(super) fn are_the_boards(
     let found = rings.len();
     let fits = fits(rings);
     let sizes = sizes(board, &fits);
+    let sigma_px = middle(&fits, |fitted| fitted.model.blur.sigma_px()).0;
+    let width_px = middle(&fits, |fitted| log_size(fitted).exp()).0 * (1.0 - board.radius_ratio());
+    if sigma_px > MOST_BLURRED * width_px {
+        return Err(Miss::TooBlurred { sigma_px, width_px });
+    }
     let uncertain = DEVIATIONS * sizes.deviation;
     let odd = if sizes.common.abs() > MOST_OFF + uncertain {
         let given = board.outer_radius_m() / board.pitch_m();

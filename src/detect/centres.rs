@@ -123,6 +123,7 @@ fn photometric(
         psf: measured.psf,
         response_gamma: linear.gamma(),
         fell_back: Vec::new(),
+        out_of_round: measured.out_of_round,
     };
     let mut rings = Vec::with_capacity(places.len());
     for (i, result) in measured.rings.into_iter().enumerate() {

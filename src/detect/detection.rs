@@ -50,6 +50,8 @@ pub struct Measured {
     pub response_gamma: f64,
     /// Rings that could not be measured so; they have the paper's centre, without a covariance.
     pub fell_back: Vec<FellBack>,
+    /// How far the rings' outlines are from circles beyond what noise explains, in radii; 0 for a single ring.
+    pub out_of_round: f64,
 }
 
 impl Measured {
@@ -123,6 +125,26 @@ impl Detection {
         sigmas.sort_by(f64::total_cmp);
         sigmas.get(sigmas.len() / 2).copied().unwrap_or(0.0)
     }
+}
+
+/// What makes a grid of spots no board, whatever single spots look like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Odd {
+    /// Rings of one board are printed alike.
+    #[error("their sizes differ")]
+    Sizes,
+    /// And in one ink.
+    #[error("their contrasts differ")]
+    Contrasts,
+    /// The inner disc is of the ground that the ring is printed on.
+    #[error("what they enclose is not as light as what is around them")]
+    Insides,
+    /// Only rings with less light than none would look like that.
+    #[error("rings that look like that would be darker than black")]
+    Darkness,
+    /// Squares, letters, pieces of rings.
+    #[error("their outlines are not round")]
+    Outlines,
 }
 
 /// Why no board was found: one plain sentence a person can act on.
@@ -212,6 +234,24 @@ pub enum Miss {
         found: usize,
         /// Those whose grey values fit a ring's.
         rings: usize,
+    },
+    /// A grid of rings of another size.
+    #[error(
+        "the rings' outer radius is {seen:.2} of the pitch, by the board file {given:.2}: another board, or a wrong file"
+    )]
+    OtherRadius {
+        /// Outer radius over pitch as measured.
+        seen: f64,
+        /// By the board file.
+        given: f64,
+    },
+    /// A grid of things that a ring can be laid into, but no printed board.
+    #[error("a grid of {found} spots seen, but they are no board's rings: {odd}")]
+    Unlike {
+        /// Spots that stand in the board's grid.
+        found: usize,
+        /// What is odd about them.
+        odd: Odd,
     },
     /// The rings are there, but hardly more than patches.
     #[error("blur too heavy: sigma about {sigma_px:.0} px, rings {width_px:.0} px wide")]

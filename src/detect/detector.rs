@@ -4,6 +4,7 @@ use super::centres::board_homography;
 use super::detection::{Detection, Miss, Ring};
 use super::grid::{Grid, find_grid};
 use super::light::bad_light;
+use super::likeness::are_the_boards;
 use super::outermost::sure_centres;
 use super::required::Required;
 use super::ring_fit::Care;
@@ -115,8 +116,16 @@ impl Detector {
         };
         let (indices, another) = (grid.indices, grid.another);
         let (rings, photometric) = sure_centres(frame, &self.board, grid, &self.options, sign)?;
-        if photometric.is_some() {
+        let least = self.options.required.least(&self.board);
+        if rings.len() < least {
+            return Err(Miss::TooFewRings {
+                found: rings.len(),
+                expected: self.board.ring_count(),
+            });
+        }
+        if let Some(measured) = &photometric {
             are_rings(&rings)?;
+            are_the_boards(&self.board, &rings, measured)?;
         }
         let homography = board_homography(&self.board, &rings).ok_or(Miss::NoGrid {
             found: rings.len(),

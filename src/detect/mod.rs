@@ -11,6 +11,7 @@ mod ellipse_fit;
 mod grid;
 mod labelling;
 mod light;
+mod likeness;
 mod margins;
 mod marks;
 mod nearby;
@@ -28,7 +29,7 @@ mod scales;
 mod single;
 mod whole;
 
-pub use detection::{Detection, FellBack, Indices, Measured, Miss, Ring};
+pub use detection::{Detection, FellBack, Indices, Measured, Miss, Odd, Ring};
 pub use detector::{DetectOptions, Detector};
 pub(crate) use ellipse_fit::ellipse_along;
 pub use required::Required;

@@ -54,6 +54,7 @@ pub(super) fn find_single(
                 psf: fitted.model.blur.psf,
                 response_gamma: linear.gamma(),
                 fell_back: Vec::new(),
+                out_of_round: 0.0,
             };
             let ring = drawn((0, 0), centre, &fitted, ratio).ok_or(Miss::NoRing)?;
             Ok(detection(frame, board, ring, Some(measured)))
@@ -70,6 +71,7 @@ pub(super) fn find_single(
                     column: 0,
                     reason: error,
                 }],
+                out_of_round: 0.0,
             };
             Ok(detection(frame, board, ring, Some(measured)))
         }

@@ -19,6 +19,7 @@ use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
+use super::round::out_of_round;
 use super::under::Under;
 use super::uneven::even_out;
 use super::usual::{MOST_IF_GIVEN, Usual};
@@ -90,6 +91,8 @@ pub struct BoardMeasured {
     pub psf: Psf,
     /// Its rings, in the order given.
     pub rings: Vec<Result<RingMeasured, RingError>>,
+    /// How far the outlines are from circles beyond what noise explains, in radii.
+    pub out_of_round: f64,
 }
 
 /// Measures the rings of a board.
@@ -174,6 +177,7 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
         (grid, bends.unwrap_or_default())
     });
     let keep = worth_keeping(&windows.collect::<Vec<_>>());
+    let out_of_round = out_of_round(board.ratio, &rings);
     let mut shared = shared.into_iter();
     let rings = rings.into_iter().zip(keep).zip(board.places);
     let measured = rings.map(|((ring, keep), place)| {
@@ -196,6 +200,7 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
     BoardMeasured {
         psf,
         rings: measured.collect(),
+        out_of_round,
     }
 }
 

@@ -3,13 +3,15 @@
 //! Derivatives cost several times what values cost, and near the end they hardly change. So once a step is short against the
 //! blur, the next ones are made with the derivatives that are there, as long as the steps shrink.
 
-use super::model::{BLUR, Matrix, PARAMETERS, RING_PARAMETERS, RingModel, SHEET, Vector};
+use super::model::{
+    BLUR, Matrix, PAPER, PARAMETERS, RING, RING_PARAMETERS, RingModel, SHEET, Vector,
+};
 use super::problem::{Normal, Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;
 use super::sheet::EDGE_PARAMETERS;
 use super::wall::Wall;
 use super::window::Window;
-use nalgebra::{Matrix2, SMatrix, SVector};
+use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
 use std::ops::Range;
 
 /// Steps at most, accepted or not. Where blur and size can hardly be told apart a fit creeps along a valley.
@@ -51,6 +53,8 @@ pub struct RingFitted {
     pub squares: f64,
     /// Pixels it was fitted to.
     pub pixels: usize,
+    /// The darker of paper and ring over the lighter, as they would be if there were negative light; the model's own do not go there (`wall`).
+    pub darkest: f64,
 }
 
 /// Covariance of centre x, y; affine xx, xy, yy; perspective x, y.
@@ -63,6 +67,16 @@ impl RingFitted {
         let apart: SVector<f64, SHAPE_PARAMETERS> = parameters(&self) - parameters(other);
         self.covariance += apart * apart.transpose();
         self
+    }
+
+    /// Standard deviation of the outer radius, relative to it.
+    pub fn size_deviation(&self) -> f64 {
+        let [xx, xy, yy] = self.model.shape.affine;
+        let determinant = xx * yy - xy * xy;
+        // the radius goes with the determinant's -1/4th power
+        let by_affine = Vector3::new(yy, -2.0 * xy, xx) * (-0.25 / determinant);
+        let affine = self.covariance.fixed_view::<3, 3>(AFFINE, AFFINE);
+        by_affine.dot(&(affine * by_affine)).max(0.0).sqrt()
     }
 
     /// Covariance of the projected centre, px^2.
@@ -323,15 +337,19 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// The damped step (Marquardt's scaling).
     fn step(&self) -> Option<Vector> {
-        let (mut matrix, mut gradient) = (self.matrix(), self.normal.gradient);
+        let mut matrix = self.matrix();
         self.wall.stiffen(&self.parameters, &mut matrix);
+        self.solve(matrix, self.normal.gradient, 1.0 + self.damping)
+    }
+
+    /// The step that a matrix and a gradient say, the diagonal times `damping`.
+    fn solve(&self, mut matrix: Matrix, mut gradient: Vector, damping: f64) -> Option<Vector> {
         self.given.held().for_each(|k| gradient[k] = 0.0);
         if self.parameters[BLUR] <= 0.0 && gradient[BLUR] <= 0.0 {
             // no blur at all, and less were better still
             freeze(&mut matrix, BLUR);
             gradient[BLUR] = 0.0;
         }
-        let damping = 1.0 + self.damping;
         if self.start.sheet.is_none() {
             solved::<RING_PARAMETERS>(&matrix, &gradient, damping)
         } else {
@@ -387,7 +405,18 @@ impl<'a, 'b> Fit<'a, 'b> {
             noise: variance.sqrt(),
             squares: self.normal.squares,
             pixels: self.pixels,
+            darkest: self.darkest(),
         })
+    }
+
+    /// The darker of paper and ring over the lighter where the fit would go without the wall.
+    fn darkest(&self) -> f64 {
+        let mut gradient = self.normal.gradient;
+        self.wall.release(&self.parameters, &mut gradient);
+        let free = self.solve(self.matrix(), gradient, 1.0);
+        let levels = free.map_or(self.parameters, |step| self.parameters + step);
+        let (paper, ring) = (levels[PAPER], levels[RING]);
+        paper.min(ring) / paper.max(ring).max(f64::MIN_POSITIVE)
     }
 }
 

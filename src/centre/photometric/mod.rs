@@ -9,7 +9,7 @@
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
 //!                      `trust`, the step they take together where they are crowded (`joint`, `gmres`), blur that is `uneven`, and the
-//!                      perspective they share (`law`, `lens_map`)
+//!                      perspective they share (`law`, `lens_map`); whether their outlines are `round`
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
 //!
@@ -50,6 +50,7 @@ mod psf;
 mod refit;
 mod response;
 mod ring;
+mod round;
 mod shape;
 mod sharp;
 mod sheet;

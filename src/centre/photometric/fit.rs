@@ -3,6 +3,8 @@
 //! Derivatives cost several times what values cost, and near the end they hardly change. So once a step is short against the
 //! blur, the next ones are made with the derivatives that are there, as long as the steps shrink.
 
+use super::equations::{freeze, shape_of_inverse, solved};
+use super::fitted::{AFFINE, FitError, RingFitted};
 use super::model::{
     BLUR, Matrix, PAPER, PARAMETERS, RING, RING_PARAMETERS, RingModel, SHEET, Vector,
 };
@@ -11,7 +13,6 @@ use super::shape::SHAPE_PARAMETERS;
 use super::sheet::EDGE_PARAMETERS;
 use super::wall::Wall;
 use super::window::Window;
-use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
 use std::ops::Range;
 
 /// Steps at most, accepted or not. Where blur and size can hardly be told apart a fit creeps along a valley.
@@ -36,74 +37,8 @@ pub(super) const BLUR_PRIOR: f64 = 1e-9;
 /// 0.3 rad uncertainty at 1 % of noise: an edge that is all but out of reach determines none of them.
 const SHEET_PRIOR: [f64; 3] = [4e-4, 1e-6, 1e-3];
 
-/// Where the affine shape and the perspective stand among the parameters.
-const AFFINE: usize = 2;
+/// Where the perspective stands among the parameters.
 const PERSPECTIVE: usize = 5;
-
-/// A fitted ring.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RingFitted {
-    /// The most likely parameters.
-    pub model: RingModel,
-    /// Covariance of the shape's parameters (centre x, y first, px^2), from the residuals' own noise.
-    pub covariance: ShapeCovariance,
-    /// Standard deviation of the residuals, light at full scale 1.
-    pub noise: f64,
-    /// Sum of the squared residuals.
-    pub squares: f64,
-    /// Pixels it was fitted to.
-    pub pixels: usize,
-    /// The darker of paper and ring over the lighter, as they would be if there were negative light; the model's own do not go there (`wall`).
-    pub darkest: f64,
-}
-
-/// Covariance of centre x, y; affine xx, xy, yy; perspective x, y.
-pub type ShapeCovariance = SMatrix<f64, SHAPE_PARAMETERS, SHAPE_PARAMETERS>;
-
-impl RingFitted {
-    /// The same fit, as uncertain as it differs from another one of the same ring.
-    pub(super) fn widened_by(mut self, other: &Self) -> Self {
-        let parameters = |fitted: &Self| SVector::from(fitted.model.shape.parameters());
-        let apart: SVector<f64, SHAPE_PARAMETERS> = parameters(&self) - parameters(other);
-        self.covariance += apart * apart.transpose();
-        self
-    }
-
-    /// Standard deviation of the outer radius, relative to it.
-    pub fn size_deviation(&self) -> f64 {
-        let [xx, xy, yy] = self.model.shape.affine;
-        let determinant = xx * yy - xy * xy;
-        // the radius goes with the determinant's -1/4th power
-        let by_affine = Vector3::new(yy, -2.0 * xy, xx) * (-0.25 / determinant);
-        let affine = self.covariance.fixed_view::<3, 3>(AFFINE, AFFINE);
-        by_affine.dot(&(affine * by_affine)).max(0.0).sqrt()
-    }
-
-    /// Covariance of the projected centre, px^2.
-    pub fn centre_covariance(&self) -> Matrix2<f64> {
-        self.covariance.fixed_view::<2, 2>(0, 0).into_owned()
-    }
-}
-
-/// Why a window has no fitted ring.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum FitError {
-    /// More parameters than pixels.
-    #[error("{pixels} pixels are too few to fit a ring to")]
-    TooFewPixels {
-        /// Pixels that count.
-        pixels: usize,
-    },
-    /// The start is no ring, or the pixels determine none.
-    #[error("the pixels determine no ring")]
-    Undetermined,
-    /// The steps did not settle.
-    #[error("the fit did not converge in {steps} steps")]
-    NotConverged {
-        /// Steps made.
-        steps: usize,
-    },
-}
 
 /// What a fit knows and what it has to find.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -425,46 +360,4 @@ fn moved(parameters: &Vector, step: &Vector) -> Vector {
     let mut moved = parameters + step;
     moved[BLUR] = moved[BLUR].max(0.0);
     moved
-}
-
-/// Takes a parameter out of the normal equations.
-pub(super) fn freeze(matrix: &mut Matrix, k: usize) {
-    matrix.fill_row(k, 0.0);
-    matrix.fill_column(k, 0.0);
-    matrix[(k, k)] = 1.0;
-}
-
-/// What makes the diagonal one: parameters differ in their units by many powers of ten.
-pub(super) fn diagonal_scales<const N: usize>(matrix: &Matrix) -> SVector<f64, N> {
-    SVector::from_fn(|k, _| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt().recip())
-}
-
-/// The part of a matrix that belongs to the first N parameters, scaled.
-fn scaled_by<const N: usize>(matrix: &Matrix, scales: &SVector<f64, N>) -> SMatrix<f64, N, N> {
-    SMatrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j])
-}
-
-/// The step of the first N parameters, with the diagonal times `damping`; the others stay.
-fn solved<const N: usize>(matrix: &Matrix, gradient: &Vector, damping: f64) -> Option<Vector> {
-    let scales = diagonal_scales::<N>(matrix);
-    let mut scaled = scaled_by(matrix, &scales);
-    for k in 0..N {
-        scaled[(k, k)] *= damping;
-    }
-    let right = SVector::<f64, N>::from_fn(|k, _| gradient[k] * scales[k]);
-    let solution = scaled.cholesky()?.solve(&right);
-    Some(Vector::from_fn(|k, _| {
-        if k < N { solution[k] * scales[k] } else { 0.0 }
-    }))
-}
-
-/// The inverse of the part that belongs to the first N parameters, as far as it is the shape's.
-pub(super) fn shape_of_inverse<const N: usize>(matrix: &Matrix) -> Option<ShapeCovariance> {
-    let scales = diagonal_scales::<N>(matrix);
-    let factor = scaled_by(matrix, &scales).cholesky()?;
-    let units = SMatrix::<f64, N, SHAPE_PARAMETERS>::identity();
-    let columns = factor.solve(&units);
-    Some(ShapeCovariance::from_fn(|i, j| {
-        columns[(i, j)] * scales[i] * scales[j]
-    }))
 }

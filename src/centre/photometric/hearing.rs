@@ -3,7 +3,8 @@
 use super::blur::{Blur, Psf};
 use super::board::{BoardPlace, BoardStart};
 use super::choice::PsfChoice;
-use super::fit::{FitError, Given, Known, RingFitted};
+use super::fit::{Given, Known};
+use super::fitted::{FitError, RingFitted};
 use super::jury::relative_size;
 use super::likes::among_likes;
 use super::model::RingModel;

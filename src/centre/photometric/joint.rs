@@ -15,7 +15,8 @@
 
 use super::around::{around, reaches};
 use super::coverage::LANES;
-use super::fit::{BLUR_PRIOR, Given, Known, diagonal_scales};
+use super::equations::{diagonal_scales, scaled_by};
+use super::fit::{BLUR_PRIOR, Given, Known};
 use super::gmres::gmres;
 use super::model::{BLUR, INSIDE, Matrix, PAPER, PARAMETERS, RING, RingModel, Vector};
 use super::problem::{Normal, Problem, Workspace};
@@ -193,8 +194,7 @@ fn part(
     wall.stiffen(&parameters, &mut matrix);
     matrix[(BLUR, BLUR)] += BLUR_PRIOR;
     let scales = diagonal_scales::<PARAMETERS>(&matrix);
-    let unit = Matrix::from_fn(|i, j| matrix[(i, j)] * scales[i] * scales[j]);
-    let inverse = unit.cholesky()?.l().try_inverse()?;
+    let inverse = scaled_by(&matrix, &scales).cholesky()?.l().try_inverse()?;
     let back = Matrix::from_fn(|i, j| scales[i] * inverse[(j, i)]);
     let couplings = others.iter().map(|(j, _)| *j).zip(couplings).collect();
     Some((back, gradient, couplings))

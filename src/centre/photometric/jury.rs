@@ -5,7 +5,7 @@
 
 use super::blur::{Blur, Psf};
 use super::board::{BoardPlace, BoardStart};
-use super::fit::RingFitted;
+use super::fitted::RingFitted;
 use super::hearing::{follow, hear, is_sharp, shape_of};
 use super::model::RingModel;
 use super::plane::PlaneView;

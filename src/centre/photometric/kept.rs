@@ -4,7 +4,7 @@
 //! reach into it, so that a second pass wants the pixels. A sharp ring has many, and there its fit with the covariance
 //! says nearly all that they say: least where a lens bends it, and those are kept as long as there is room.
 
-use super::fit::RingFitted;
+use super::fitted::RingFitted;
 use super::window::{End, Grid, Window};
 use nalgebra::{Matrix2, Point2};
 

@@ -7,7 +7,7 @@
 //! measurement given the better q: `c + C_cq C_qq^-1 (q_board - q)`, the mean of the conditional normal distribution.
 //! Centres are not drawn to one another or onto a plane.
 
-use super::fit::RingFitted;
+use super::fitted::RingFitted;
 use super::lens_map::{Anchor, LensMap};
 use crate::camera::Camera;
 use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector2};

@@ -7,7 +7,8 @@
 
 use super::around::around;
 use super::board::{BoardPlace, BoardStart};
-use super::fit::{FitError, Given, Known, RingFitted};
+use super::fit::{Given, Known};
+use super::fitted::{FitError, RingFitted};
 use super::hearing::shape_of;
 use super::jury::relative_size;
 use super::model::RingModel;

@@ -4,10 +4,11 @@
 //! outline -> ring      one ring: starts, fit, and the gate that decides whether to believe it
 //!            start     the window and the grey levels of a start
 //!            psf       Gaussian or disc, by likelihood
-//!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`) and their sums (`gram`)
+//!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`), their sums (`gram`) and `equations`;
+//!                      a `wall` keeps light from being negative
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
-//! outlines -> board    all rings of a view: a `jury` for blur and size, the skirts `around` each ring, what of the surroundings to
+//! outlines -> board    all rings of a view: a `jury` for blur and size (heard among `likes`), the skirts `around` each ring, what of the surroundings to
 //!                      `trust`, the step they take together where they are crowded (`joint`, `gmres`), blur that is `uneven`, and the
 //!                      perspective they share (`law`, `lens_map`); whether their outlines are `round`
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
@@ -29,8 +30,10 @@ mod corner;
 mod coverage;
 mod disc;
 mod disc_edge;
+mod equations;
 mod fan;
 mod fit;
+mod fitted;
 mod gamma;
 mod gaussian;
 mod gmres;
@@ -70,7 +73,8 @@ pub use blur::{Blur, Psf};
 pub use board::{BoardMeasured, BoardPlace, BoardStart, measure_board};
 pub use bound::cramer_rao_bound;
 pub use choice::PsfChoice;
-pub use fit::{FitError, Given, Known, RingFitted, ShapeCovariance, fit};
+pub use fit::{Given, Known, fit};
+pub use fitted::{FitError, RingFitted, ShapeCovariance};
 pub use gamma::estimate_gamma;
 pub use kept::{KeptRing, KeptWindow, RingMeasured};
 pub use law::CentreAndCovariance;

@@ -6,7 +6,8 @@
 
 use super::blur::{Blur, Psf};
 use super::choice::PsfChoice;
-use super::fit::{FitError, Known, RingFitted, fit};
+use super::fit::{Known, fit};
+use super::fitted::{FitError, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::start::levels;

@@ -2,7 +2,8 @@
 
 use super::around::around;
 use super::bent::bends;
-use super::fit::{Given, Known, RingFitted};
+use super::fit::{Given, Known};
+use super::fitted::RingFitted;
 use super::kept::{KeptRing, KeptWindow};
 use super::law::{CentreAndCovariance, given_perspective};
 use super::model::RingModel;

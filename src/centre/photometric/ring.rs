@@ -2,7 +2,8 @@
 
 use super::blur::{Blur, Psf};
 use super::choice::PsfChoice;
-use super::fit::{FitError, Given, Known, RingFitted};
+use super::fit::{Given, Known};
+use super::fitted::{FitError, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::Shape;

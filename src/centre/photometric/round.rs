@@ -6,7 +6,7 @@
 //! it to each ring otherwise. So the residuals are projected on what such a wave of the outline would change.
 
 use super::around::around;
-use super::fit::RingFitted;
+use super::fitted::RingFitted;
 use super::model::RingModel;
 use super::problem::{Problem, Workspace};
 use super::shape::Shape;

@@ -2,7 +2,8 @@
 
 use super::blur::Blur;
 use super::board::{BoardPlace, BoardStart};
-use super::fit::{Known, RingFitted};
+use super::fit::Known;
+use super::fitted::RingFitted;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::sheet::{Edge, Profile, SheetEnd, SheetRow};

@@ -6,7 +6,7 @@
 //! fitted without it, and only what is strange to that fit is left out, with the layer before it and all behind it.
 
 use super::coverage::LANES;
-use super::fit::RingFitted;
+use super::fitted::RingFitted;
 use super::shape::Shape;
 use super::window::{Grid, Window};
 use crate::frame::widest;

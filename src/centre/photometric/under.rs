@@ -2,7 +2,8 @@
 
 use super::around::around;
 use super::board::{BoardPlace, BoardStart};
-use super::fit::{FitError, Given, Known, RingFitted, fit_roughly};
+use super::fit::{Given, Known, fit_roughly};
+use super::fitted::{FitError, RingFitted};
 use super::jury::Verdict;
 use super::model::RingModel;
 use super::plane::PlaneView;

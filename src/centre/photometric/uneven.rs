@@ -22,7 +22,8 @@
 use super::around::{around, reaches};
 use super::board::BoardStart;
 use super::boundary::Node;
-use super::fit::{Given, Known, RingFitted};
+use super::fit::{Given, Known};
+use super::fitted::RingFitted;
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::ring::gate;

@@ -1,6 +1,6 @@
 //! The noise that the rings of a board usually have, and which ring has more.
 
-use super::fit::RingFitted;
+use super::fitted::RingFitted;
 use super::ring::RingError;
 use super::under::Under;
 use super::window::Grid;

@@ -1,4 +1,4 @@
-//! What is no board is never taken for one, and what is one is never seen inside out.
+//! What is no board is never taken for one, and what is one is never seen inside out, however little blur leaves of it.
 
 use nalgebra::{Rotation3, Vector3};
 use ringcal::board::{Board, Polarity};
@@ -114,4 +114,26 @@ fn a_wall_of_rings_is_not_the_board() {
     let scene = Scene::new(CAMERA, wall, pose);
     let miss = detect(&scene, board(5, 6, 0.003, Polarity::Auto)).unwrap_err();
     assert!(matches!(miss, Miss::WrongSize { .. }), "{miss}");
+}
+
+/// A large disc of blur leaves dark spots, much smaller than the rings.
+#[test]
+fn spots_half_as_large_as_the_rings_are_the_board() {
+    let board = board(4, 5, 0.0027, Polarity::DarkOnLight);
+    for pose in views(&CAMERA, &board, 4, 0.5, 6).unwrap() {
+        let mut scene = Scene::new(CAMERA, board.clone(), pose);
+        let outer_px = CAMERA.intrinsics.fx * board.outer_radius_m() / pose.translation_m.z;
+        scene.defocus = Defocus::disc(0.95 * outer_px);
+        scene.sensor.read_noise = 0.005;
+        let rendering = render(&scene, 3).unwrap();
+        let found = Detector::new(board.clone(), DetectOptions::default())
+            .detect(&rendering.frame)
+            .unwrap();
+        assert_eq!(found.rings.len(), board.ring_count());
+        for ring in &found.rings {
+            let at = usize::from(ring.row) * 5 + usize::from(ring.column);
+            let off = (rendering.truth.rings[at].centre - ring.centre.point).norm();
+            assert!(off < 0.5, "{} {}: {off}", ring.row, ring.column);
+        }
+    }
 }

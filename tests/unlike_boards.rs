@@ -130,6 +130,16 @@ fn thin_rings_are_no_broad_ones() {
 }
 
 #[test]
+fn a_ring_encloses_the_ground_it_is_printed_on() {
+    let is_dark = |at: Vector2<f64>| (7919.3 * at.x + 10_473.7 * at.y).fract().abs() < 0.45;
+    let frame = picture(40.0, 2, |at, _| {
+        is_ring(at, RADIUS) || (at.norm() < RATIO * RADIUS && is_dark(at))
+    });
+    let (miss, odd) = (detect(&frame).err(), Odd::Insides);
+    assert_eq!(miss, Some(Miss::Unlike { found: 30, odd }));
+}
+
+#[test]
 fn dots_of_all_sizes_are_no_board() {
     for blur_px in [4, 5, 6] {
         let frame = picture(44.0, blur_px, |at, number| {

@@ -18,6 +18,9 @@ use rayon::prelude::*;
 /// What is that small a part of a wave's own standard deviations is noise: the median of waves of pure noise is 1.2.
 const NOISE: f64 = 2.0;
 
+/// Rings that are asked at most, spread over the board: the median of so many says it.
+const ASKED: usize = 16;
+
 /// A wave of an outline: its amplitude and the standard deviation of each of its two parts, in radii.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Wave {
@@ -25,12 +28,13 @@ struct Wave {
     deviation: f64,
 }
 
-/// How far the outlines of rings are from circles, in radii: the median over the rings of the larger of two waves, less what may be noise.
+/// How far the outlines of rings are from circles, in radii: the median over some of the rings of the larger of two waves, less what may
+/// be noise.
 pub(super) fn out_of_round(ratio: f64, rings: &[Under]) -> f64 {
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let waves: Vec<[Wave; 2]> = rings
-        .par_iter()
-        .enumerate()
+    let every = rings.len().div_ceil(ASKED).max(1);
+    let asked = rings.par_iter().enumerate().step_by(every);
+    let waves: Vec<[Wave; 2]> = asked
         .map_init(Workspace::default, |room, (i, ring)| {
             let (fitted, window) = (ring.fitted.as_ref().ok()?, ring.window.as_ref()?);
             let around = around(&window.grid, ratio, (i, &models), room);
@@ -92,11 +96,11 @@ fn sums(window: &Window, model: &RingModel, room: &Workspace) -> [[Sum; 2]; 2] {
         let y = grid.y(row) - model.shape.centre.y;
         for column in 0..grid.width {
             let i = row * stride + column;
-            if window.weights[i] <= 0.0 {
-                continue;
-            }
             // a radius grows where the affine form, its inverse square, shrinks
             let grown = -2.0 * (xx * by_xx[i] + xy * by_xy[i] + yy * by_yy[i]);
+            if window.weights[i] <= 0.0 || grown == 0.0 {
+                continue;
+            }
             let at = circle * Vector2::new(grid.x(column) - model.shape.centre.x, y);
             let residual = f64::from(room.residuals[i]);
             for (sums, waves) in sums.iter_mut().zip(three_and_four(at)) {

@@ -184,8 +184,7 @@ fn fall_back(
         sign,
         board.radius_ratio(),
         Care::Edges,
-    );
-    let careful = careful?;
+    )?;
     let ring = Placed {
         ellipses: RingEllipses {
             inner: careful.inner?,

@@ -181,10 +181,9 @@ fn evidence(detection: &Result<Detection, Miss>) -> usize {
 /// The rings whose grey values are a ring's: paper shows again inside, which a plain dot does not have.
 fn measured(rings: &[Ring]) -> impl Iterator<Item = &Ring> {
     rings.iter().filter(|ring| {
-        ring.kept.as_ref().is_some_and(|kept| {
-            let model = &kept.fitted.model;
-            INSIDE.contains(&((model.inside - model.ring) / (model.paper - model.ring)))
-        })
+        ring.kept
+            .as_ref()
+            .is_some_and(|kept| INSIDE.contains(&kept.fitted.model.inner_over_outer()))
     })
 }
 

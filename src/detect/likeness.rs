@@ -64,7 +64,7 @@ pub(super) fn are_the_boards(
         Odd::Darkness
     } else if is_spread(&fits) {
         Odd::Contrasts
-    } else if !INSIDES.contains(&middle(&fits, inside).0) {
+    } else if !INSIDES.contains(&middle(&fits, |fitted| fitted.model.inner_over_outer()).0) {
         Odd::Insides
     } else if measured.out_of_round > MOST_OUT_OF_ROUND {
         Odd::Outlines
@@ -134,12 +134,6 @@ fn step(
     both_sided()
         .or_else(|| one_sided(1))
         .or_else(|| one_sided(-1))
-}
-
-/// The contrast of inner disc and print over that of ground and print.
-fn inside(fitted: &RingFitted) -> f64 {
-    let model = &fitted.model;
-    (model.inside - model.ring) / (model.paper - model.ring)
 }
 
 /// Whether the parts of the light that the rings' print swallows are as different as no board's.

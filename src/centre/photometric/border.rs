@@ -4,6 +4,7 @@
 //! the edge is. But the edge is straight and so is the row of rings: a few that found it know where all others have to look.
 
 use super::board::{BoardPlace, BoardStart};
+use super::jury::median;
 use super::lens_map::LensMap;
 use super::model::RingModel;
 use super::problem::Workspace;
@@ -86,12 +87,7 @@ pub(super) fn mend(frame: &Frame, board: &BoardStart, rings: &mut [Under], map: 
     };
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
     let level = |of: fn(&RingModel) -> f64| {
-        median(
-            rings
-                .iter()
-                .filter_map(|r| Some(of(&r.fitted.ok()?.model)))
-                .collect(),
-        )
+        median(rings.iter().filter_map(|r| Some(of(&r.fitted.ok()?.model))))
     };
     let (Some(paper), Some(ring), Some(inside), Some(blur_px)) = (
         level(|m| m.paper),
@@ -172,11 +168,6 @@ fn bend(
         *under = before;
     }
     true
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// The image of the line that stands `margin_m` out from a ring at a side.

@@ -346,10 +346,12 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// The darker of paper and ring over the lighter where the fit would go without the wall.
     fn darkest(&self) -> f64 {
-        let mut gradient = self.normal.gradient;
-        self.wall.release(&self.parameters, &mut gradient);
-        let free = self.solve(self.matrix(), gradient, 1.0);
-        let levels = free.map_or(self.parameters, |step| self.parameters + step);
+        let mut push = Vector::zeros();
+        let is_pushed = self.wall.push(&self.parameters, &mut push) > 0.0;
+        let free = is_pushed.then(|| self.solve(self.matrix(), self.normal.gradient - push, 1.0));
+        let levels = free
+            .flatten()
+            .map_or(self.parameters, |step| self.parameters + step);
         let (paper, ring) = (levels[PAPER], levels[RING]);
         paper.min(ring) / paper.max(ring).max(f64::MIN_POSITIVE)
     }

@@ -57,19 +57,22 @@ struct Part {
 
 /// Moves all rings that are fitted to where none of them would want to move any more.
 pub(super) fn settle_together(ratio: f64, rings: &mut [Under]) {
+    let mut known = None;
     for _ in 0..STEPS {
-        let gain = step_together(ratio, rings);
-        if gain < WORTH_ANOTHER * rings.len() as f64 {
+        let Some((before, after)) = step_together(ratio, rings, known) else {
+            return;
+        };
+        if before - after < WORTH_ANOTHER * rings.len() as f64 {
             return;
         }
+        known = Some(after);
     }
 }
 
-/// One such step, to first order. Returns by how much it has lowered the sum of squares, in variances of the rings' noise.
-fn step_together(ratio: f64, rings: &mut [Under]) -> f64 {
-    let Some(parts) = parts(ratio, rings) else {
-        return 0.0;
-    };
+/// One such step, to first order, from the sum of squares where the rings stand (if that is known). Returns the sums before and after it, in
+/// variances of the rings' noise; `None` where no step was taken.
+fn step_together(ratio: f64, rings: &mut [Under], known: Option<f64>) -> Option<(f64, f64)> {
+    let parts = parts(ratio, rings)?;
     let size = PARAMETERS * parts.len();
     let mut right = DVector::zeros(size);
     for (i, part) in parts.iter().enumerate() {
@@ -87,34 +90,32 @@ fn step_together(ratio: f64, rings: &mut [Under]) -> f64 {
         }
         out
     };
-    let Some(solution) = gmres(&right, product) else {
-        return 0.0;
-    };
+    let solution = gmres(&right, product)?;
     let steps: Vec<Vector> = parts
         .iter()
         .enumerate()
         .map(|(i, part)| part.back * solution.fixed_rows::<PARAMETERS>(PARAMETERS * i))
         .collect();
     let before: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let squares = squares_of_all(ratio, rings, &before);
+    let squares = known.unwrap_or_else(|| squares_of_all(ratio, rings, &before));
     for share in SHARES {
         let models: Vec<RingModel> = before
             .iter()
             .zip(&steps)
             .map(|(model, step)| moved(model, &(step * share)).unwrap_or(*model))
             .collect();
-        let gain = squares - squares_of_all(ratio, rings, &models);
-        if gain > 0.0 {
+        let after = squares_of_all(ratio, rings, &models);
+        if after < squares {
             for (ring, model) in rings.iter_mut().zip(models) {
                 if let Ok(fitted) = &mut ring.fitted {
                     ring.model = model;
                     fitted.model = model;
                 }
             }
-            return gain;
+            return Some((squares, after));
         }
     }
-    0.0
+    None
 }
 
 /// What all rings leave in their windows, in variances of their noise.

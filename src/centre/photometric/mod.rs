@@ -8,9 +8,9 @@
 //!                      a `wall` keeps light from being negative
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
-//! outlines -> board    all rings of a view: a `jury` for blur and size (heard among `likes`), the skirts `around` each ring, what of the surroundings to
-//!                      `trust`, the step they take together where they are crowded (`joint`, `gmres`), blur that is `uneven`, and the
-//!                      perspective they share (`law`, `lens_map`); whether their outlines are `round`
+//! outlines -> board    all rings of a view: a `jury` for blur and size (heard among `likes`), the skirts `around` each ring, what of
+//!                      the surroundings to `trust`, the steps they take together where they are crowded (`joint`, `gmres`), blur
+//!                      that is `uneven`, the perspective they share (`law`, `lens_map`), and whether their outlines are `round`
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
 //!

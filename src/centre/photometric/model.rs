@@ -93,6 +93,11 @@ impl RingModel {
         0.5 / (self.blur.size_px.max(least) * grid.pixel_px)
     }
 
+    /// Contrast of inner disc and ring over that of paper and ring: 1 where the disc shows the paper.
+    pub fn inner_over_outer(&self) -> f64 {
+        (self.inside - self.ring) / (self.paper - self.ring)
+    }
+
     /// Contrasts across the outer and the inner circle.
     pub(super) fn contrasts(&self) -> Contrasts {
         [self.ring - self.paper, self.inside - self.ring]

@@ -6,7 +6,8 @@
 //! it to each ring otherwise. So the residuals are projected on what such a wave of the outline would change.
 
 use super::around::around;
-use super::fitted::RingFitted;
+use super::fitted::{AFFINE, RingFitted};
+use super::jury::median;
 use super::model::RingModel;
 use super::problem::{Problem, Workspace};
 use super::shape::Shape;
@@ -50,16 +51,11 @@ pub(super) fn out_of_round(ratio: f64, rings: &[Under]) -> f64 {
         .collect();
     let beyond_noise = |k: usize| {
         let amplitude = median(waves.iter().map(|both| both[k].amplitude));
-        let noise = NOISE * median(waves.iter().map(|both| both[k].deviation));
+        let deviation = median(waves.iter().map(|both| both[k].deviation));
+        let (amplitude, noise) = (amplitude.unwrap_or(0.0), NOISE * deviation.unwrap_or(0.0));
         (amplitude * amplitude - noise * noise).max(0.0).sqrt()
     };
     beyond_noise(0).max(beyond_noise(1))
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }
 
 /// The waves of three and of four periods; `None` where the pixels do not show them.
@@ -89,7 +85,7 @@ struct Sum {
 fn sums(window: &Window, model: &RingModel, room: &Workspace) -> [[Sum; 2]; 2] {
     let (grid, stride) = (&window.grid, window.grid.stride());
     let mut sums = [[Sum::default(); 2]; 2];
-    let [by_xx, by_xy, by_yy] = [2, 3, 4].map(|k| &room.coverage.changes[k]);
+    let [by_xx, by_xy, by_yy] = [0, 1, 2].map(|k| &room.coverage.changes[AFFINE + k]);
     let [xx, xy, yy] = model.shape.affine.map(|v| v as f32);
     let circle = to_circle(&model.shape);
     for row in 0..grid.height {

@@ -24,6 +24,7 @@ use super::board::BoardStart;
 use super::boundary::Node;
 use super::fit::{Given, Known};
 use super::fitted::RingFitted;
+use super::jury::median;
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::ring::gate;
@@ -103,26 +104,19 @@ fn slope(rings: &[Under]) -> Option<Vector2<f64>> {
         .map(|fitted| (fitted.model.shape.centre, fitted.model.blur.size_px))
         .collect();
     let plane = Plane::through(&blurs)?;
-    let mut offs: Vec<f64> = blurs.iter().map(|blur| plane.off(blur).abs()).collect();
-    let most = FAR * median(&mut offs)?;
+    let most = FAR * median(blurs.iter().map(|blur| plane.off(blur).abs()))?;
     // once more without rings that are half covered, or have found an edge for another
     let used: Vec<_> = blurs
         .into_iter()
         .filter(|blur| plane.off(blur).abs() <= most)
         .collect();
     let plane = Plane::through(&used)?;
-    let mut stds: Vec<f64> = fitted
+    let stds = fitted
         .iter()
-        .map(|fitted| (0.5 * fitted.centre_covariance().trace()).sqrt())
-        .collect();
-    let mut sizes: Vec<f64> = used.iter().map(|(_, size)| *size).collect();
-    let matters = plane.slope.norm() * median(&mut sizes)? > WORTH * median(&mut stds)?;
+        .map(|fitted| (0.5 * fitted.centre_covariance().trace()).sqrt());
+    let sizes = used.iter().map(|(_, size)| *size);
+    let matters = plane.slope.norm() * median(sizes)? > WORTH * median(stds)?;
     (matters && plane.deviations > SIGNIFICANT).then_some(plane.slope)
-}
-
-fn median(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// A linear function of the place through values.

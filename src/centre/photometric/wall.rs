@@ -32,13 +32,6 @@ impl Wall {
         squares
     }
 
-    /// Takes the push off the gradient.
-    pub(super) fn release(&self, parameters: &Vector, gradient: &mut Vector) {
-        for (k, stiffness) in LEVELS.into_iter().zip(self.0) {
-            gradient[k] += stiffness * parameters[k].min(0.0);
-        }
-    }
-
     /// Adds the springs to the normal matrix.
     pub(super) fn stiffen(&self, parameters: &Vector, matrix: &mut Matrix) {
         for (k, stiffness) in LEVELS.into_iter().zip(self.0) {

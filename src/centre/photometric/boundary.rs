@@ -13,7 +13,7 @@ use super::window::Grid;
 use std::ops::{Add, Mul, Neg, Sub};
 
 /// Fewest and most nodes of an outline.
-const NODES: (f64, f64) = (24.0, 20_000.0);
+const NODES: (f64, f64) = (16.0, 20_000.0);
 
 /// Their number is a multiple of this, so that it hardly ever changes during a fit: what little the rule is wrong by changes with it.
 const STEP: f64 = 8.0;
@@ -81,7 +81,12 @@ pub(super) fn trace(
 
 /// Changes of Q by each parameter at a place (x, y) about the ring's centre; `squares` is twice the square of the circle's radius.
 #[inline(always)]
-fn by_shape<T>([xx, xy, yy]: [T; 3], [qx, qy]: [T; 2], squares: T, [x, y]: [T; 2]) -> [T; 7]
+pub(super) fn by_shape<T>(
+    [xx, xy, yy]: [T; 3],
+    [qx, qy]: [T; 2],
+    squares: T,
+    [x, y]: [T; 2],
+) -> [T; 7]
 where
     T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Neg<Output = T>,
 {
@@ -96,12 +101,4 @@ where
         depth * x,
         depth * y,
     ]
-}
-
-/// Changes of Q by each parameter of a shape, for its circle of `radius` (in outer radii), at a place (px of the frame about its centre).
-#[inline(always)]
-pub(super) fn sweeps(shape: &Shape, radius: f64, at: [f32; 2]) -> [f32; SHAPE_PARAMETERS] {
-    let affine = shape.affine.map(|v| v as f32);
-    let q = [shape.perspective.x as f32, shape.perspective.y as f32];
-    by_shape(affine, q, (2.0 * radius * radius) as f32, at)
 }

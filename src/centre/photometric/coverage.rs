@@ -6,8 +6,12 @@
 
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
+use super::dense::{self, Dense};
 use super::disc::Disc;
-use super::disc_edge::{DiscEdge, DiscRow};
+use super::disc_edge::DiscEdge;
+use super::edge::draw;
+use super::feet::Circle;
+use super::gauss_edge::GaussEdge;
 use super::gaussian::{Gaussian, LEAST_SIGMA};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::sharp::{self, SharpCircle};
@@ -41,8 +45,8 @@ pub(super) struct Coverage {
     pub(super) changes: [Plane; COVERAGE_PARAMETERS],
     nodes: Vec<Node>,
     gaussian: Gaussian,
+    dense: Dense,
     disc: Disc,
-    disc_row: DiscRow,
     room: Room,
 }
 
@@ -62,29 +66,18 @@ impl Coverage {
         let (psf, kernel_size) = kernel_of(blur, grid);
         for (circle, radius) in [1.0, ratio].into_iter().enumerate() {
             let contrast = contrasts.map(|both| both[circle] as f32);
-            let sharp = (psf == Psf::Gaussian && kernel_size < sharp::MOST_SIGMA)
-                .then(|| SharpCircle::new(grid, shape, radius, kernel_size.max(LEAST_SIGMA)));
-            if let Some(sharp) = sharp.flatten() {
-                let planes = (&mut self.circles[circle], &mut self.changes);
-                sharp.cover(grid, planes, contrast);
+            if self.fill_closely(grid, shape, (circle, radius), (psf, kernel_size), contrast)? {
                 continue;
             }
-            let edge = (psf == Psf::Disc)
-                .then(|| DiscEdge::new(grid, shape, radius, kernel_size))
-                .flatten();
-            if let Some(edge) = edge {
+            let nodes = &mut self.nodes;
+            trace(nodes, grid, shape, radius, spacing(psf, kernel_size))?;
+            if psf == Psf::Gaussian && self.nodes.len() <= dense::MOST_NODES {
                 let planes = (&mut self.circles[circle], &mut self.changes);
-                edge.cover(grid, &mut self.disc_row, planes, contrast);
-                continue;
+                let nodes = (self.nodes.as_slice(), kernel_size.max(LEAST_SIGMA));
+                self.dense.cover((grid, shape), nodes, planes, contrast);
+            } else {
+                self.lay(grid, (psf, kernel_size), circle, contrast);
             }
-            trace(
-                &mut self.nodes,
-                grid,
-                shape,
-                radius,
-                spacing(psf, kernel_size),
-            )?;
-            self.lay(grid, (psf, kernel_size), circle, contrast);
         }
         if psf != blur.psf && contrasts.is_some() {
             // a disc that is taken for a Gaussian of half its size
@@ -92,6 +85,33 @@ impl Coverage {
             by_blur.for_each(|change| *change *= 0.5);
         }
         Some(())
+    }
+
+    /// Fills in one circle in closed form; false where there is none for this blur, `None` where the circle is no ellipse.
+    #[inline(always)]
+    fn fill_closely(
+        &mut self,
+        grid: &Grid,
+        shape: &Shape,
+        (number, radius): (usize, f64),
+        (psf, size): (Psf, f64),
+        contrast: Option<f32>,
+    ) -> Option<bool> {
+        let circle = Circle::new(grid, shape, radius)?;
+        let planes = (&mut self.circles[number], &mut self.changes);
+        let drawn = match psf {
+            Psf::Disc => {
+                DiscEdge::new(&circle, size).map(|edge| draw(&edge, grid, planes, contrast))
+            }
+            Psf::Gaussian if size < sharp::MOST_SIGMA => {
+                SharpCircle::new(&circle, size.max(LEAST_SIGMA))
+                    .map(|edge| draw(&edge, grid, planes, contrast))
+            }
+            Psf::Gaussian => {
+                GaussEdge::new(&circle, size).map(|edge| draw(&edge, grid, planes, contrast))
+            }
+        };
+        Some(drawn.is_some())
     }
 
     /// The three pictures that blur which changes by `slope` (px per px) is made of, as the first of the changes (`uneven`); `None` where

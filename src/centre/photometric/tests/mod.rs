@@ -124,7 +124,11 @@ fn coverages_agree_with_the_simulator() {
         // pixel by pixel: what is of second order in the circles' bends is left out
         (22.0, 80, Blur::gaussian(0.2), 1, 1e-3),
         (22.0, 80, Blur::gaussian(0.4), 1, 1e-3),
-        (22.0, 80, Blur::gaussian(0.5), 1, 1e-4),
+        // pixel by pixel, with the box's fourth and sixth moment
+        (22.0, 80, Blur::gaussian(0.5), 1, 5e-4),
+        (22.0, 80, Blur::gaussian(0.8), 1, 3e-4),
+        (22.0, 80, Blur::gaussian(1.5), 1, 3e-4),
+        (22.0, 80, Blur::gaussian(2.5), 1, 3e-4),
         (22.0, 80, Blur::gaussian(4.0), 2, 1e-4),
         (22.0, 80, Blur::gaussian(4.0), 4, 1e-4),
         (22.0, 80, Blur::disc(0.5), 1, 7e-3),

@@ -5,8 +5,9 @@
 //! that of one pixel times lambda (lambda - a).
 
 use super::coverage::{COVERAGE_PARAMETERS, Coverage};
-use super::model::{BLUR, PARAMETERS, RING_PARAMETERS, RingModel, Rows, SHEET};
+use super::model::{BLUR, PARAMETERS, RING_PARAMETERS, RingModel, SHEET};
 use super::problem::Problem;
+use super::rows::Rows;
 use super::sheet::SheetRow;
 use super::window::{End, Grid};
 use std::f64::consts::{FRAC_1_SQRT_2, PI};

@@ -7,6 +7,7 @@
 //! A disc gets the correction of the Gaussian of its spread.
 
 use super::normal::{density_and_cumulative, exp};
+use super::real::Real;
 use std::f32::consts::TAU;
 
 /// Gauss-Legendre on [0, 1]: places and weights.
@@ -33,12 +34,12 @@ pub(super) struct Corner {
 
 /// What the corner's angle adds to the product of what both edges leave, and how that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Correction {
-    pub(super) value: f32,
+pub(super) struct Correction<T> {
+    pub(super) value: T,
     /// By -d_1 and -d_2, each over sigma.
-    pub(super) by_depth: [f32; 2],
+    pub(super) by_depth: [T; 2],
     /// By rho.
-    pub(super) by_rho: f32,
+    pub(super) by_rho: T,
 }
 
 impl Corner {
@@ -57,27 +58,34 @@ impl Corner {
     }
 
     /// The correction at depths `a` and `b` on the sheet, in blur sigmas.
-    pub(super) fn at(&self, a: f32, b: f32) -> Correction {
-        let (squares, product) = (a * a + b * b, 2.0 * a * b);
-        let density = |sin: f32, scale: f32| exp(-(squares - product * sin) * scale);
-        let value = self
-            .points
-            .iter()
-            .map(|&[sin, scale, weight]| weight * density(sin, scale))
-            .sum();
-        let given = |x: f32, y: f32| {
-            let (density, _) = density_and_cumulative(x);
-            let (_, alone) = density_and_cumulative(y);
-            let (_, together) = density_and_cumulative((y - self.rho * x) / self.sine);
-            density * (together - alone)
-        };
+    #[inline(always)]
+    pub(super) fn at<T: Real>(&self, a: T, b: T) -> Correction<T> {
+        let (squares, product) = (a * a + b * b, a * b * 2.0);
+        let mut value = a.like(0.0);
+        for [sin, scale, weight] in self.points {
+            value = value + joint(squares, product, sin, scale) * weight;
+        }
         let scale = 0.5 / (self.sine * self.sine);
         Correction {
             value,
-            by_depth: [given(a, b), given(b, a)],
-            by_rho: density(self.rho, scale) / (TAU * self.sine),
+            by_depth: [self.given(a, b), self.given(b, a)],
+            by_rho: joint(squares, product, self.rho, scale) * (1.0 / (TAU * self.sine)),
         }
     }
+
+    #[inline(always)]
+    fn given<T: Real>(&self, x: T, y: T) -> T {
+        let (density, _) = density_and_cumulative(x);
+        let (_, alone) = density_and_cumulative(y);
+        let (_, together) = density_and_cumulative((y - x * self.rho) * (1.0 / self.sine));
+        density * (together - alone)
+    }
+}
+
+/// The joint density but for its factor.
+#[inline(always)]
+fn joint<T: Real>(squares: T, product: T, sin: f32, scale: f32) -> T {
+    exp((product * sin - squares) * scale)
 }
 
 #[cfg(test)]

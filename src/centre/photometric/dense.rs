@@ -14,11 +14,10 @@ use super::boundary::Node;
 use super::coverage::{COVERAGE_PARAMETERS, Plane};
 use super::gram::WIDEST;
 use super::normal::density_and_cumulative;
-use super::real::{Floats, Real};
+use super::real::{Floats, Real, columns};
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
 use pulp::{Arch, Simd, WithSimd};
-use std::array;
 
 /// Nodes at most: with more, `stamps` are faster, which reach only a part of the window.
 pub(super) const MOST_NODES: usize = 48;
@@ -102,6 +101,7 @@ impl Cover<'_> {
         dense.across.resize(count * stride, 0.0);
         let sums = S::as_mut_simd_f32s(&mut dense.sums).0;
         let across = S::as_mut_simd_f32s(&mut dense.across).0;
+        let vectors = stride / S::F32_LANES;
         for (j, node) in self.nodes.iter().enumerate() {
             let begin = (-0.5 - node.x) * scale;
             fill_edges(simd, &mut dense.edges, stride, (begin, scale));
@@ -110,15 +110,13 @@ impl Cover<'_> {
             let left = left.zip(S::as_simd_f32s(distributions).0);
             let right = S::as_simd_f32s(&densities[1..]).0.iter();
             let right = right.zip(S::as_simd_f32s(&distributions[1..]).0);
-            let out = sums.iter_mut().zip(across.iter_mut());
-            let out = out.skip(j).step_by(count);
-            for (v, ((left, right), (sum, across))) in left.zip(right).zip(out).enumerate() {
+            for (v, (left, right)) in left.zip(right).take(vectors).enumerate() {
                 let (d0, c0) = (Floats::new(simd, *left.0), Floats::new(simd, *left.1));
                 let (d1, c1) = (Floats::new(simd, *right.0), Floats::new(simd, *right.1));
                 let u = columns(simd, v) * scale + begin;
                 let share = c1 - c0;
-                *across = share.values;
-                *sum = ((u.times(share, d1 - d0) * sigma + c1) * node.rise).values;
+                across[v * count + j] = share.values;
+                sums[v * count + j] = ((u.times(share, d1 - d0) * sigma + c1) * node.rise).values;
             }
         }
     }
@@ -207,15 +205,6 @@ impl Cover<'_> {
             by_size[v] = simd.add_f32s(by_size[v], size.values);
         }
     }
-}
-
-/// The numbers of a vector's columns.
-#[inline(always)]
-fn columns<S: Simd>(simd: S, vector: usize) -> Floats<S> {
-    let steps: [f32; WIDEST] = array::from_fn(|i| i as f32);
-    let first = S::as_simd_f32s(&steps).0.first();
-    let first = first.map_or(Floats::all(simd, 0.0), |steps| Floats::new(simd, *steps));
-    first + (vector * S::F32_LANES) as f32
 }
 
 /// Density and distribution at one place more than `count`, from `begin` on, `scale` apart.

@@ -15,8 +15,8 @@
 
 use super::edge::{BlurredEdge, Seen};
 use super::feet::{Circle, Foot};
-use super::real::Real;
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+use super::real::{Real, arccos};
+use std::f32::consts::FRAC_1_PI;
 
 /// Discs up to this many radii of curvature of the circle where it bends most; the segment's series and the fourth order end there.
 const MOST_BENT: f64 = 0.75;
@@ -144,24 +144,6 @@ fn lens<T: Real>(d: T, k: T, fourth: T) -> [T; 2] {
     let series = kh.polynomial([5.0 / 48.0, 9.0 / 56.0, 0.3, 1.0]);
     let segment = h * square * (k * series * (2.0 / 3.0) - square * fourth * 0.4);
     [(arccos(x) - x * h + segment) * FRAC_1_PI, h]
-}
-
-/// Within 3e-8 (Abramowitz and Stegun, 4.4.46).
-#[inline(always)]
-fn arccos<T: Real>(x: T) -> T {
-    let a = x.magnitude();
-    let series = a.polynomial([
-        -0.001_262_491_1,
-        0.006_670_09,
-        -0.017_088_126,
-        0.030_891_88,
-        -0.050_174_305,
-        0.088_978_99,
-        -0.214_598_8,
-        FRAC_PI_2,
-    ]);
-    let positive = (-a + 1.0).at_least(0.0).sqrt() * series;
-    (-x).choose(-positive + PI, positive)
 }
 
 #[cfg(test)]

@@ -2,12 +2,10 @@
 
 use super::coverage::{COVERAGE_PARAMETERS, Plane};
 use super::feet::{Circle, Foot};
-use super::gram::WIDEST;
-use super::real::{Floats, Real};
+use super::real::{Floats, Real, columns};
 use super::shape::SHAPE_PARAMETERS;
 use super::window::Grid;
 use pulp::{Arch, Simd, WithSimd};
-use std::array;
 
 /// The first way to the edge is longer than the distance where the edge bends; by no more than this factor where it is in reach.
 const LONGER: f32 = 1.5;
@@ -71,21 +69,15 @@ impl<E: BlurredEdge> WithSimd for Draw<'_, E> {
     fn with_simd<S: Simd>(self, simd: S) {
         let stride = self.grid.stride();
         let (circle, reach) = (self.edge.circle(), self.edge.reach());
-        let steps: [f32; WIDEST] = array::from_fn(|i| i as f32);
-        let Some(&steps) = S::as_simd_f32s(&steps).0.first() else {
-            return;
-        };
-        let first = Floats::new(simd, steps);
         for row in circle.rows(f64::from(reach)) {
             let span = row * stride..(row + 1) * stride;
             let values = S::as_mut_simd_f32s(&mut self.values[span.clone()]).0;
-            let mut changes = self.changes.each_mut().map(|plane| {
+            let changes = self.changes.each_mut().map(|plane| {
                 let row = plane.get_mut(span.clone()).unwrap_or_default();
                 S::as_mut_simd_f32s(row).0
             });
             for (v, out) in values.iter_mut().enumerate() {
-                let columns = first + (v * S::F32_LANES) as f32;
-                let way = circle.way(circle.from_centre(columns, row));
+                let way = circle.way(circle.from_centre(columns(simd, v), row));
                 let sum = Floats::new(simd, *out);
                 if way.long.smallest() > LONGER * reach {
                     continue;

@@ -145,8 +145,13 @@ impl Circle {
         let q = self.shape.perspective;
         let q = [slope.like(q.x as f32), slope.like(q.y as f32)];
         let squares = slope.like((2.0 * self.radius * self.radius) as f32);
-        let all = by_shape(affine, q, squares, at.map(|v| v * self.pixel_px));
-        all.map(|by| share * by)
+        let at = [at[0] * self.pixel_px, at[1] * self.pixel_px];
+        // not by `map`, which is not inlined
+        let mut all = by_shape(affine, q, squares, at);
+        for by in &mut all {
+            *by = share * *by;
+        }
+        all
     }
 
     /// The changes by the shape: the slope (by pixel) times how far each parameter moves the edge at the foot.

@@ -4,7 +4,8 @@
 //! `f64`, so that their error stays that of a few dozen additions.
 
 use super::coverage::LANES;
-use super::model::{Matrix, PARAMETERS, Rows, Vector};
+use super::model::{Matrix, PARAMETERS, Vector};
+use super::rows::Rows;
 use pulp::{Arch, Simd, WithSimd};
 
 /// Columns of a row at most: the parameters and the residuals.

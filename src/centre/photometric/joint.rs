@@ -20,6 +20,7 @@ use super::fit::{BLUR_PRIOR, Given, Known};
 use super::gmres::gmres;
 use super::model::{BLUR, INSIDE, Matrix, PAPER, PARAMETERS, RING, RingModel, Vector};
 use super::problem::{Normal, Problem, Workspace};
+use super::rows::shades;
 use super::shape::SHAPE_PARAMETERS;
 use super::under::Under;
 use super::wall::Wall;
@@ -241,7 +242,7 @@ impl Workspace {
             }
         })?;
         let shades: Vec<f32> = (0..grid.height)
-            .flat_map(|row| model.shades(grid, row))
+            .flat_map(|row| shades(model, grid, row))
             .collect();
         let couplings = others.iter().map(|(_, other)| {
             self.dispatch(

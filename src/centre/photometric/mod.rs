@@ -59,6 +59,7 @@ mod refit;
 mod response;
 mod ring;
 mod round;
+mod rows;
 mod shape;
 mod sharp;
 mod sheet;

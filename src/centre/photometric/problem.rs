@@ -6,9 +6,9 @@ use super::censored::Censored;
 use super::coverage::{Contrasts, Coverage, Plane};
 use super::fit::Known;
 use super::gram::{Gradient, Gram};
-use super::model::{Matrix, RingModel, Rows, Vector};
+use super::model::{Matrix, RingModel, Vector};
+use super::rows::{Rows, light};
 use super::shape::Shape;
-use super::sheet::SheetRow;
 use super::window::{Grid, Window};
 use nalgebra::Vector2;
 use pulp::Arch;
@@ -239,7 +239,13 @@ impl Workspace {
                 }
                 let (circles, sheet) = (&room.coverage.circles, &mut room.rows.sheet);
                 for (row, out) in room.residuals.chunks_exact_mut(stride).enumerate() {
-                    subtract(model, known.window, circles, row, (sheet, out));
+                    light(
+                        (model, grid),
+                        row,
+                        circles,
+                        Some(known.window),
+                        (sheet, out),
+                    );
                 }
             },
         );
@@ -255,37 +261,14 @@ impl Workspace {
             ..
         } = self;
         let window = problem.window;
-        let (grid, stride) = (&window.grid, window.grid.stride());
+        let stride = window.grid.stride();
         let span = row * stride..(row + 1) * stride;
-        let weights = &window.weights[span.clone()];
-        out.fill(model, grid, row, coverage, weights);
-        let (residuals, sheet) = out.residuals_mut();
-        subtract(model, window, &coverage.circles, row, (sheet, residuals));
-        self.residuals[span.clone()].copy_from_slice(residuals);
+        out.fill(model, window, row, coverage);
+        self.residuals[span.clone()].copy_from_slice(out.residuals());
         if window.censored.is_empty() {
             return 0.0;
         }
         Censored::new(problem, model, coverage).patch(span, out)
-    }
-}
-
-/// Residuals of one row of a window: what it shows less the model, where it counts.
-#[inline(always)]
-fn subtract(
-    model: &RingModel,
-    window: &Window,
-    [outer, inner]: &[Plane; 2],
-    row: usize,
-    (sheet, out): (&mut SheetRow, &mut [f32]),
-) {
-    let stride = window.grid.stride();
-    let span = row * stride..(row + 1) * stride;
-    let circles = [&outer[span.clone()], &inner[span.clone()]];
-    model.light(&window.grid, row, circles, sheet, out);
-    let values = &window.values[span.clone()];
-    let weights = &window.weights[span];
-    for ((out, value), weight) in out.iter_mut().zip(values).zip(weights) {
-        *out = weight * (value - *out);
     }
 }
 

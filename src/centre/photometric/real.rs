@@ -3,7 +3,10 @@
 //! A loop over pixels that reads and writes a dozen rows is not turned into vectors by the compiler, which cannot know that the rows are
 //! different memory. So the closed forms of blurred edges are written for whole vectors, and read like those for numbers.
 
+use super::gram::WIDEST;
 use pulp::Simd;
+use std::array;
+use std::f32::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A real number, or a vector of them.
@@ -120,6 +123,24 @@ impl Real for f32 {
     }
 }
 
+/// Arc cosine, within 3e-8 (Abramowitz and Stegun, 4.4.46).
+#[inline(always)]
+pub(super) fn arccos<T: Real>(x: T) -> T {
+    let a = x.magnitude();
+    let series = a.polynomial([
+        -0.001_262_491_1,
+        0.006_670_09,
+        -0.017_088_126,
+        0.030_891_88,
+        -0.050_174_305,
+        0.088_978_99,
+        -0.214_598_8,
+        FRAC_PI_2,
+    ]);
+    let positive = (-a + 1.0).at_least(0.0).sqrt() * series;
+    (-x).choose(-positive + PI, positive)
+}
+
 /// The bits of 1.
 const ONE_BITS: u32 = 127 << 23;
 
@@ -154,6 +175,15 @@ impl<S: Simd> Floats<S> {
     pub(super) fn largest(self) -> f32 {
         self.simd.reduce_max_f32s(self.values)
     }
+}
+
+/// The numbers of the columns of a row's vector.
+#[inline(always)]
+pub(super) fn columns<S: Simd>(simd: S, vector: usize) -> Floats<S> {
+    let steps: [f32; WIDEST] = array::from_fn(|i| i as f32);
+    let first = S::as_simd_f32s(&steps).0.first();
+    let first = first.map_or(Floats::all(simd, 0.0), |steps| Floats::new(simd, *steps));
+    first + (vector * S::F32_LANES) as f32
 }
 
 macro_rules! operator {

@@ -11,8 +11,10 @@
 use super::blur::{Blur, Psf};
 use super::corner::Corner;
 use super::normal::density_and_cumulative;
+use super::real::{Real, arccos, columns};
 use super::window::Grid;
 use nalgebra::{Point2, Vector2};
+use pulp::{Arch, Simd, WithSimd};
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI};
 
 /// Parameters of an edge: how far out it is, and its direction.
@@ -98,47 +100,116 @@ impl SheetRow {
     /// Fills in one row of a window.
     pub(super) fn fill(&mut self, end: &SheetEnd, blur: &Blur, grid: &Grid, row: usize) {
         let stride = grid.stride();
-        for plane in [&mut self.missing, &mut self.by_blur] {
-            plane.clear();
+        let planes = [&mut self.missing, &mut self.by_blur];
+        for plane in planes.into_iter().chain(&mut self.by_edge) {
             plane.resize(stride, 0.0);
         }
-        for plane in &mut self.by_edge {
-            plane.clear();
-            plane.resize(stride, 0.0);
+        Arch::new().dispatch(Fill {
+            sheet: self,
+            step: Profile::new(blur, grid),
+            first: Line::new(&end.edge, grid, row),
+            second: end
+                .other
+                .map(|other| Turn::new(&end.edge, &other, grid, row)),
+        });
+    }
+}
+
+/// The second edge of a corner.
+#[derive(Clone, Copy)]
+struct Turn {
+    line: Line,
+    corner: Corner,
+    /// Change of the normals' cosine by the first angle.
+    turn: f32,
+}
+
+impl Turn {
+    fn new(edge: &Edge, other: &Edge, grid: &Grid, row: usize) -> Self {
+        let normals = (edge.normal(), other.normal());
+        Self {
+            line: Line::new(other, grid, row),
+            corner: Corner::new(normals.0.dot(&normals.1)),
+            turn: normals.0.perp(&normals.1) as f32,
         }
-        let step = Profile::new(blur, grid);
-        let first = Line::new(&end.edge, grid, row);
-        let Some(other) = &end.other else {
-            for i in 0..stride {
-                let distance = first.distance(i);
-                let (missing, slope) = step.at(distance);
-                self.missing[i] = missing;
-                self.by_blur[i] = -step.half_over_square * slope * distance;
-                self.by_edge[0][i] = -slope;
-                self.by_edge[1][i] = slope * first.turned(i);
+    }
+}
+
+/// What pixels miss of the sheet, and its changes by the blur's square and the edges' offsets and angles.
+#[derive(Clone, Copy)]
+struct Missing<T> {
+    value: T,
+    by_blur: T,
+    by_edge: [T; 2 * EDGE_PARAMETERS],
+}
+
+struct Fill<'a> {
+    sheet: &'a mut SheetRow,
+    step: Profile,
+    first: Line,
+    second: Option<Turn>,
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let SheetRow {
+            missing,
+            by_blur,
+            by_edge: [a, b, c, d],
+        } = self.sheet;
+        let missing = S::as_mut_simd_f32s(missing).0;
+        let by_blur = S::as_mut_simd_f32s(by_blur).0;
+        let edges = [a, b, c, d].map(|plane| S::as_mut_simd_f32s(plane).0);
+        for v in 0..missing.len() {
+            let column = columns(simd, v);
+            let here = match &self.second {
+                None => straight(&self.step, &self.first, column),
+                Some(second) => bent(&self.step, &self.first, second, column),
+            };
+            missing[v] = here.value.values;
+            by_blur[v] = here.by_blur.values;
+            for (k, by) in here.by_edge.into_iter().enumerate() {
+                edges[k][v] = by.values;
             }
-            return;
-        };
-        let second = Line::new(other, grid, row);
-        let normals = (end.edge.normal(), other.normal());
-        let corner = Corner::new(normals.0.dot(&normals.1));
-        // change of the normals' cosine by the first angle
-        let turn = normals.0.perp(&normals.1) as f32;
-        for i in 0..stride {
-            let distances = [first.distance(i), second.distance(i)];
-            let [(e1, k1), (e2, k2)] = distances.map(|distance| step.at(distance));
-            let [a, b] = distances.map(|distance| -distance * step.spread);
-            let more = corner.at(a, b);
-            self.missing[i] = e1 + e2 - e1 * e2 - more.value;
-            let k1 = k1 * (1.0 - e2) + step.spread * more.by_depth[0];
-            let k2 = k2 * (1.0 - e1) + step.spread * more.by_depth[1];
-            let by_blur = k1 * distances[0] + k2 * distances[1];
-            self.by_blur[i] = -step.half_over_square * by_blur;
-            self.by_edge[0][i] = -k1;
-            self.by_edge[1][i] = k1 * first.turned(i) - turn * more.by_rho;
-            self.by_edge[2][i] = -k2;
-            self.by_edge[3][i] = k2 * second.turned(i) + turn * more.by_rho;
         }
+    }
+}
+
+/// Beyond one edge.
+#[inline(always)]
+fn straight<T: Real>(step: &Profile, line: &Line, column: T) -> Missing<T> {
+    let distance = line.distance(column);
+    let (value, slope) = step.at(distance);
+    let zero = column.like(0.0);
+    Missing {
+        value,
+        by_blur: slope * distance * -step.half_over_square,
+        by_edge: [-slope, slope * line.turned(column), zero, zero],
+    }
+}
+
+/// Beyond one edge or another.
+#[inline(always)]
+fn bent<T: Real>(step: &Profile, first: &Line, second: &Turn, column: T) -> Missing<T> {
+    let Turn { line, corner, turn } = second;
+    let (d1, d2) = (first.distance(column), line.distance(column));
+    let ((e1, k1), (e2, k2)) = (step.at(d1), step.at(d2));
+    let more = corner.at(d1 * -step.spread, d2 * -step.spread);
+    let k1 = k1 * (-e2 + 1.0) + more.by_depth[0] * step.spread;
+    let k2 = k2 * (-e1 + 1.0) + more.by_depth[1] * step.spread;
+    let turned = more.by_rho * *turn;
+    Missing {
+        value: e1 + e2 - e1 * e2 - more.value,
+        by_blur: (k1 * d1 + k2 * d2) * -step.half_over_square,
+        by_edge: [
+            -k1,
+            k1 * first.turned(column) - turned,
+            -k2,
+            k2 * line.turned(column) + turned,
+        ],
     }
 }
 
@@ -168,25 +239,29 @@ impl Line {
     }
 
     /// How far beyond the edge a pixel is, px.
-    fn distance(&self, column: usize) -> f32 {
+    #[inline(always)]
+    fn distance<T: Real>(&self, column: T) -> T {
         let along = self.along(column);
-        self.beyond_tangent(column) - self.half_bend * along * along
+        self.beyond_tangent(column) - along * along * self.half_bend
     }
 
     /// The same of the line that touches the edge at the anchor's foot.
-    fn beyond_tangent(&self, column: usize) -> f32 {
-        self.distance.0 + self.distance.1 * column as f32
+    #[inline(always)]
+    fn beyond_tangent<T: Real>(&self, column: T) -> T {
+        column * self.distance.1 + self.distance.0
     }
 
     /// How that distance changes with the edge's angle, px per rad.
-    fn turned(&self, column: usize) -> f32 {
+    #[inline(always)]
+    fn turned<T: Real>(&self, column: T) -> T {
         let across = self.beyond_tangent(column) + self.offset;
-        self.along(column) * (1.0 + 2.0 * self.half_bend * across)
+        self.along(column) * (across * (2.0 * self.half_bend) + 1.0)
     }
 
     /// How far along the edge it is from the anchor's foot, px.
-    fn along(&self, column: usize) -> f32 {
-        self.along.0 + self.along.1 * column as f32
+    #[inline(always)]
+    fn along<T: Real>(&self, column: T) -> T {
+        column * self.along.1 + self.along.0
     }
 }
 
@@ -218,7 +293,8 @@ impl Profile {
     }
 
     /// The step and its slope (px^-1) at a distance.
-    pub(super) fn at(&self, distance: f32) -> (f32, f32) {
+    #[inline(always)]
+    pub(super) fn at<T: Real>(&self, distance: T) -> (T, T) {
         let u = distance * self.scale;
         match self.psf {
             Psf::Gaussian => {
@@ -226,10 +302,10 @@ impl Profile {
                 (cumulative, density * self.scale)
             }
             Psf::Disc => {
-                let u = u.clamp(-1.0, 1.0);
-                let chord = (1.0 - u * u).sqrt();
-                let area = 0.5 + FRAC_1_PI * (u * chord + u.asin());
-                (area, FRAC_2_PI * chord * self.scale)
+                let u = u.within(-1.0, 1.0);
+                let chord = (-(u * u) + 1.0).sqrt();
+                let area = (u * chord - arccos(u)) * FRAC_1_PI + 1.0;
+                (area, chord * (FRAC_2_PI * self.scale))
             }
         }
     }

@@ -12,6 +12,7 @@ use super::fit::{Given, Known};
 use super::kept::KeptRing;
 use super::model::RingModel;
 use super::problem::Workspace;
+use super::rows::light;
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::sharp::MOST_SIGMA;
 use super::sheet::SheetRow;
@@ -112,13 +113,11 @@ fn picture_of_bent(
 }
 
 /// The light of these coverages, in padded rows.
-fn picture(grid: &Grid, model: &RingModel, [outer, inner]: &[Vec<f32>; 2]) -> Vec<f32> {
+fn picture(grid: &Grid, model: &RingModel, circles: &[Vec<f32>; 2]) -> Vec<f32> {
     let (stride, mut sheet) = (grid.stride(), SheetRow::default());
     let mut picture = vec![0.0; stride * grid.height];
     for (row, out) in picture.chunks_exact_mut(stride).enumerate() {
-        let span = row * stride..(row + 1) * stride;
-        let circles = [&outer[span.clone()], &inner[span]];
-        model.light(grid, row, circles, &mut sheet, out);
+        light((model, grid), row, circles, None, (&mut sheet, out));
     }
     picture
 }

@@ -28,6 +28,7 @@ use super::jury::median;
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::ring::gate;
+use super::rows::shades;
 use super::sheet::{Edge, SheetRow};
 use super::under::Under;
 use super::window::{Grid, Window};
@@ -177,7 +178,7 @@ fn subtract(
             for row in 0..grid.height {
                 let span = row * grid.stride()..(row + 1) * grid.stride();
                 let values = &mut window.values[span.clone()];
-                let shades = models[own].shades(&grid, row);
+                let shades = shades(&models[own], &grid, row);
                 for ((value, added), shade) in values.iter_mut().zip(&added[span]).zip(shades) {
                     *value -= added * shade;
                 }
@@ -196,7 +197,7 @@ fn subtract_sheet(window: &mut Window, model: &RingModel, slope: Vector2<f64>) {
     for row in 0..grid.height {
         sheet.fill(end, &model.blur, &grid, row);
         let values = &mut window.values[row * grid.stride()..(row + 1) * grid.stride()];
-        let changes = sheet.by_blur.iter().zip(model.shades(&grid, row));
+        let changes = sheet.by_blur.iter().zip(shades(model, &grid, row));
         for (column, (value, (by_square, shade))) in values.iter_mut().zip(changes).enumerate() {
             let place = Point2::new(grid.x(column), grid.y(row));
             let distance = |edge: &Edge| (place - edge.anchor).dot(&edge.normal()) - edge.offset_px;

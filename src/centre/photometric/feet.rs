@@ -9,6 +9,8 @@ use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
 use std::ops::Range;
 
+/// How much of what it is at an ellipse's vertex the gradient may be elsewhere on the edge: perspective takes something off.
+const LEAST_CLIMB: f64 = 0.3;
 /// The least of a squared root that is divided by.
 const TINY: f32 = 1e-12;
 
@@ -27,6 +29,8 @@ pub(super) struct Circle {
     middle: f64,
     half_height: f64,
     height: usize,
+    /// Half of Q's gradient is no less anywhere on the edge.
+    least_climb: f32,
     /// The smaller semi-axis.
     pub(super) minor: f64,
     /// Its curvature where it bends most.
@@ -56,6 +60,7 @@ impl Circle {
             middle: (ellipse.centre.y - grid.top_px) / scale,
             half_height: (major * sin).hypot(minor * cos),
             height: grid.height,
+            least_climb: (LEAST_CLIMB * radius * radius / major) as f32,
             minor,
             most_bent: major / (minor * minor),
         })
@@ -139,7 +144,9 @@ impl Circle {
     #[inline(always)]
     fn swept<T: Real>(&self, at: [T; 2], normal: [T; 2], slope: T) -> [T; SHAPE_PARAMETERS] {
         let [gx, gy] = self.half_gradient(at);
-        let climb = gx.times(normal[0], gy * normal[1]).at_least(1e-6);
+        // deep inside the foot may be anywhere, but the edge is on the edge
+        let climb = gx.times(normal[0], gy * normal[1]);
+        let climb = climb.at_least(self.least_climb);
         let share = -(slope / (climb + climb));
         let affine = self.shape.affine.map(|v| slope.like(v as f32));
         let q = self.shape.perspective;

@@ -25,6 +25,8 @@ const ROUGH: (usize, f64) = (8, 1.0);
 const LEAST_VARIANCE: f64 = 1e-9;
 /// Damping at the start, and how it changes.
 const DAMPING: (f64, f64, f64) = (1e-3, 0.1, 8.0);
+/// How it changes where it has just been raised: in a bent valley, steps would fail in turn.
+const AFTER_FAILURE: f64 = 0.5;
 const LEAST_DAMPING: f64 = 1e-4;
 /// Derivatives are kept after steps that move the outline less than this fraction of the blur (the pixel's own included).
 const SHORT_STEP: f64 = 0.25;
@@ -136,6 +138,8 @@ struct Fit<'a, 'b> {
     normal: Normal,
     wall: Wall,
     damping: f64,
+    /// The last step that was tried went up.
+    failed: bool,
     given: Given,
     pixels: usize,
 }
@@ -174,6 +178,7 @@ impl<'a, 'b> Fit<'a, 'b> {
                 Given::Nothing => DAMPING.0,
                 Given::NearStart | Given::Shape | Given::Perspective => 0.0,
             },
+            failed: false,
             given,
             pixels,
         })
@@ -218,7 +223,7 @@ impl<'a, 'b> Fit<'a, 'b> {
                         self.normal.gradient = gradient;
                         self.normal.squares = squares;
                         (fresh, gained, undamped) = (false, gain, false);
-                        self.damping *= DAMPING.1;
+                        self.relax();
                     }
                     _ if !fresh => {
                         self.renew()?;
@@ -234,7 +239,7 @@ impl<'a, 'b> Fit<'a, 'b> {
                     self.parameters = next;
                     self.normal = normal;
                     (fresh, gained, undamped) = (true, f64::INFINITY, false);
-                    self.damping *= DAMPING.1;
+                    self.relax();
                 }
                 _ if self.damping > 1e8 => return self.finish(),
                 _ => self.damp(),
@@ -243,7 +248,17 @@ impl<'a, 'b> Fit<'a, 'b> {
         Err(FitError::NotConverged { steps })
     }
 
+    fn relax(&mut self) {
+        self.damping *= if self.failed {
+            AFTER_FAILURE
+        } else {
+            DAMPING.1
+        };
+        self.failed = false;
+    }
+
     fn damp(&mut self) {
+        self.failed = true;
         self.damping = (self.damping * DAMPING.2).max(LEAST_DAMPING);
     }
 

@@ -80,27 +80,29 @@ impl KeptWindow {
     /// Keeps a window.
     pub(super) fn of(window: &Window) -> Self {
         let (grid, stride) = (window.grid, window.grid.stride());
-        let at = |i: usize| (i / grid.width) * stride + i % grid.width;
-        let light = (0..grid.width * grid.height).map(|i| {
-            let clipped = window
-                .censored
-                .binary_search_by_key(&at(i), |c| c.0)
-                .is_ok();
-            if window.weights[at(i)] > 0.0 || clipped {
-                (window.values[at(i)] * STEPS)
-                    .round()
-                    .clamp(0.0, f32::from(MASKED - 1)) as u16
-            } else {
-                MASKED
-            }
-        });
+        let mut light = Vec::with_capacity(grid.width * grid.height);
+        for row in 0..grid.height {
+            let span = row * stride..row * stride + grid.width;
+            let pixels = window.values[span.clone()]
+                .iter()
+                .zip(&window.weights[span]);
+            light.extend(pixels.map(|(value, weight)| {
+                // half more, cut off: the nearest step
+                let steps = (value * STEPS + 0.5).clamp(0.0, f32::from(MASKED - 1)) as u16;
+                if *weight > 0.0 { steps } else { MASKED }
+            }));
+        }
+        for &(index, _) in &window.censored {
+            let steps = (window.values[index] * STEPS + 0.5).clamp(0.0, f32::from(MASKED - 1));
+            light[index / stride * grid.width + index % stride] = steps as u16;
+        }
         let censored = window.censored.iter().filter_map(|&(index, end)| {
             let i = index / stride * grid.width + index % stride;
             Some((u16::try_from(i).ok()?, end))
         });
         Self {
             grid,
-            light: light.collect(),
+            light,
             censored: censored.collect(),
         }
     }

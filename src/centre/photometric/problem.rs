@@ -223,6 +223,16 @@ impl Workspace {
 
     /// Residuals of all pixels of a window under a model, in padded rows; zero where a pixel does not count.
     pub(super) fn residuals(&mut self, known: &Known, model: &RingModel) -> &[f32] {
+        self.residuals_and(known, model, None)
+    }
+
+    /// The same, and with contrasts the coverage's changes.
+    pub(super) fn residuals_and(
+        &mut self,
+        known: &Known,
+        model: &RingModel,
+        contrasts: Option<Contrasts>,
+    ) -> &[f32] {
         let grid = &known.window.grid;
         let stride = grid.stride();
         self.dispatch(
@@ -233,7 +243,7 @@ impl Workspace {
                 let (shape, blur) = (&model.shape, &model.blur);
                 let filled =
                     room.coverage
-                        .fill(grid, (shape, blur), known.ratio, None, known.around);
+                        .fill(grid, (shape, blur), known.ratio, contrasts, known.around);
                 if filled.is_none() {
                     return;
                 }

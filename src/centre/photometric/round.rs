@@ -6,10 +6,11 @@
 //! it to each ring otherwise. So the residuals are projected on what such a wave of the outline would change.
 
 use super::around::around;
+use super::fit::{Given, Known};
 use super::fitted::{AFFINE, RingFitted};
 use super::jury::median;
 use super::model::RingModel;
-use super::problem::{Problem, Workspace};
+use super::problem::Workspace;
 use super::shape::Shape;
 use super::under::Under;
 use super::window::Window;
@@ -39,13 +40,13 @@ pub(super) fn out_of_round(ratio: f64, rings: &[Under]) -> f64 {
         .map_init(Workspace::default, |room, (i, ring)| {
             let (fitted, window) = (ring.fitted.as_ref().ok()?, ring.window.as_ref()?);
             let around = around(&window.grid, ratio, (i, &models), room);
-            let problem = Problem {
+            let known = Known {
                 window,
                 ratio,
                 around: around.as_ref(),
-                noise: fitted.noise,
+                given: Given::NearStart,
             };
-            waves(&problem, fitted, room)
+            waves(&known, fitted, room)
         })
         .flatten()
         .collect();
@@ -59,10 +60,10 @@ pub(super) fn out_of_round(ratio: f64, rings: &[Under]) -> f64 {
 }
 
 /// The waves of three and of four periods; `None` where the pixels do not show them.
-fn waves(problem: &Problem, fitted: &RingFitted, room: &mut Workspace) -> Option<[Wave; 2]> {
+fn waves(known: &Known, fitted: &RingFitted, room: &mut Workspace) -> Option<[Wave; 2]> {
     let model = &fitted.model;
-    room.normal(problem, model)?;
-    let sums = sums(problem.window, model, room);
+    room.residuals_and(known, model, Some(model.contrasts()));
+    let sums = sums(known.window, model, room);
     let wave = |[cos, sin]: [Sum; 2]| {
         let own = 0.5 * (cos.own + sin.own);
         (own > 0.0).then(|| Wave {

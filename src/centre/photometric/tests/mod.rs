@@ -192,7 +192,9 @@ fn derivatives_agree_with_finite_differences() {
     for (blur, pixel_px) in [
         (Blur::gaussian(0.3), 1.0),
         (Blur::gaussian(0.8), 1.0),
+        (Blur::gaussian(1.6), 2.0),
         (Blur::gaussian(2.5), 1.0),
+        (Blur::gaussian(3.0), 3.0),
         (Blur::gaussian(6.0), 3.0),
         (Blur::disc(0.5), 1.0),
         (Blur::disc(3.0), 1.0),

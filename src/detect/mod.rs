@@ -1,6 +1,7 @@
 //! Frame -> [`Detection`]: where every ring of the board is in one frame.
 
 mod band_pass;
+mod bends;
 mod blobs;
 mod candidates;
 mod centres;

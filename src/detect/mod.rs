@@ -26,6 +26,7 @@ mod profile;
 mod required;
 mod ring_fit;
 mod rings;
+mod runs;
 mod scales;
 mod single;
 mod whole;

@@ -15,6 +15,7 @@ mod light;
 mod likeness;
 mod margins;
 mod marks;
+mod measured;
 mod nearby;
 mod orientation;
 mod other_size;

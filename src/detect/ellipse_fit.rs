@@ -3,39 +3,33 @@
 use crate::centre::Ellipse;
 use nalgebra::{Matrix3, Point2, SMatrix, SVector};
 
+/// Reweighted solutions until the weights settle: so many at most. Fewer lose rings of which noise and blur leave little.
+const ROUNDS: usize = 12;
+/// Subsets of five points that the second start tries: with a third of the points elsewhere, one in eight is good.
+const SUBSETS: usize = 60;
 /// How well an ellipse has to be known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Precision {
-    /// Reweighted solutions until the weights settle: so many at most.
-    rounds: usize,
     /// No solution after one that moved the ellipse by less than this fraction of its radius.
     settled: f64,
     /// Fewer inliers than this, or residuals above this fraction of the radius, call for a second start.
     suspicious: (f64, f64),
-    /// Subsets of five points that the second start tries: with a third of the points elsewhere, one in eight is good.
-    subsets: usize,
 }
 
 /// Where the ellipse is the result.
 pub(super) const EXACT: Precision = Precision {
-    rounds: 12,
     settled: 1e-7,
     suspicious: (0.95, 0.02),
-    subsets: 60,
 };
 /// Where something else begins at it.
 pub(super) const NEAR: Precision = Precision {
-    rounds: 6,
     settled: 1e-3,
-    subsets: 32,
     ..EXACT
 };
 /// Where its points are known to a pixel of a few, and nearly all belong to it.
 pub(super) const ROUGH: Precision = Precision {
-    rounds: 6,
     settled: 3e-3,
     suspicious: (0.0, f64::INFINITY),
-    subsets: 0,
 };
 /// Tukey's biweight constant: 95 % efficiency on normal noise.
 const TUKEY: f64 = 4.685;
@@ -84,8 +78,8 @@ pub(super) fn fit_ellipse(points: &[Point2<f64>], precision: Precision) -> Optio
     let mut best = reweight(&unit, start, (radius, precision))?;
     if best.inliers < precision.suspicious.0 || best.scale > precision.suspicious.1 {
         // outliers in plenty have drawn the first solution to them
-        let second = least_median(&unit, precision.subsets)
-            .and_then(|start| reweight(&unit, start, (radius, precision)));
+        let second =
+            least_median(&unit).and_then(|start| reweight(&unit, start, (radius, precision)));
         best = second
             .into_iter()
             .chain([best])
@@ -144,7 +138,7 @@ fn reweight(
     let mut weights = vec![0.0; unit.len()];
     let mut residuals = Vec::with_capacity(unit.len());
     let mut room = Vec::with_capacity(unit.len());
-    for _ in 0..precision.rounds {
+    for _ in 0..ROUNDS {
         residuals.clear();
         residuals.extend(unit.iter().map(|p| sampson(&conic, p)));
         scale = robust_scale(&residuals, &mut room).max(LEAST_SCALE_PX / radius_px);
@@ -169,7 +163,7 @@ fn reweight(
 }
 
 /// The ellipse through five of the points with the least median distance to all (Rousseeuw 1984).
-fn least_median(unit: &[Point2<f64>], subsets: usize) -> Option<SVector<f64, 5>> {
+fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
     // a fixed sequence (Lehmer's) keeps the result the same from run to run
     let mut state = 48_271_u64;
     let mut pick = || {
@@ -178,7 +172,7 @@ fn least_median(unit: &[Point2<f64>], subsets: usize) -> Option<SVector<f64, 5>>
     };
     let mut room = Vec::new();
     let mut best: Option<(f64, SVector<f64, 5>)> = None;
-    for _ in 0..subsets {
+    for _ in 0..SUBSETS {
         let Some(conic) = solve(&[pick(), pick(), pick(), pick(), pick()], &[1.0; 5]) else {
             continue;
         };

@@ -2,34 +2,27 @@
 
 use super::band_pass::BandPass;
 use super::blobs::{Blob, blobs};
-use super::ellipse_fit::{ROUGH, fit_ellipse};
+use super::outward::{BEGIN, Ray, Rays, crossing, middle};
 use super::runs::Side;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Level;
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::Point2;
 use rayon::prelude::*;
-use std::sync::LazyLock;
 
-/// Rays from the patch's centre.
-const RAYS: usize = 32;
-/// Fraction of the rays that must cross into the ring and out of it again.
-const LEAST_RAYS: f64 = 0.7;
 /// Patches smaller than this are no inner disc, px of the level.
 const LEAST_AREA: f64 = 5.0;
 /// Patches larger than this are seen better one level up, px of the level.
 const MOST_AREA: f64 = 2400.0;
 /// At most so many patches of a level are looked at, so that texture costs no more than a full board.
 const MOST_PATCHES: usize = 2048;
-/// So many rays, evenly spread, are looked at first: fewer than this must not come to nothing, which most of texture's do.
-const FIRST_RAYS: (usize, usize) = (8, 5);
-/// Where a ray begins: a compact patch is not left nearer to its middle, in units of its own radius.
-const BEGIN: f64 = 0.4;
-/// Steps along a ray, in units of the patch's own radius, and the least, px of the level.
-const STEP: f64 = 0.1;
-const LEAST_STEP_PX: f64 = 0.4;
-/// Of the distances along the rays, in units of the patch's own radius, the third quartile over the first is at most this: what is found
-/// around a ring's inner disc is shaped as that is.
-const MOST_UNEVEN: f64 = 1.6;
+/// How far a ray is followed for the end of an inner disc, in units of the patch's own radius.
+const INNER_REACH: f32 = 2.0;
+/// The same for the end of a disc.
+const DISC_REACH: f32 = 2.0;
+/// How far above the board's radius ratio a candidate's may be.
+const SLACK: f64 = 2.0;
+/// What distances along the rays say of the ratio before ellipses are laid through them is right within this factor.
+const CERTAINLY: f64 = 1.3;
 
 /// A band looked at for dark rings (1) or for light ones (-1), which are dark in it with all signs turned.
 #[derive(Clone, Copy)]
@@ -39,11 +32,6 @@ pub(super) struct Seen<'a> {
 }
 
 impl Seen<'_> {
-    fn at(&self, place: Point2<f64>) -> Option<f32> {
-        let value = self.band.plane.bilinear(place.x, place.y)?;
-        Some(self.sign * value)
-    }
-
     /// Where inner discs are.
     fn light(&self) -> Side {
         if self.sign > 0.0 {
@@ -86,61 +74,25 @@ pub(super) fn disc_candidates(seen: Seen, level: Level) -> Vec<Ellipse> {
 
 /// Where the band passes zero around a dark patch.
 fn outline(seen: Seen, blob: &Blob) -> Option<Ellipse> {
-    let axes = half_axes(&blob.spread)?;
-    let ends = along_rays(&axes, |axis| {
-        let at = |t: f64| seen.at(blob.centre + axis * t);
-        let step = step(&axis);
-        let end = (0..=((2.0 - BEGIN) / step) as u32)
-            .map(|k| BEGIN + f64::from(k) * step)
-            .find(|&t| at(t).is_some_and(|v| v >= 0.0))?;
-        let end = end - 0.5 * step;
-        Some((end, blob.centre + axis * end))
-    })?;
-    through(&ends)
+    let rays = Rays::of(seen, blob)?;
+    let [ends] = rays.each(|ray| leave_disc(ray).map(|end| [end]))?;
+    rays.through(&ends)
 }
 
-/// Steps along a ray.
-fn step(axis: &Vector2<f64>) -> f64 {
-    STEP.max(LEAST_STEP_PX / axis.norm())
-}
-
-/// The ellipse through what was found along rays: distances, and points there; `None` where the distances are as uneven as around no
-/// disc, which costs much less to see than to fit.
-fn through(found: &[(f64, Point2<f64>)]) -> Option<Ellipse> {
-    let mut distances: Vec<f64> = found.iter().map(|&(t, _)| t).collect();
-    distances.sort_unstable_by(f64::total_cmp);
-    let quartile = |part: usize| distances[part * distances.len() / 4];
-    if found.is_empty() || quartile(3) > MOST_UNEVEN * quartile(1) {
-        return None;
+/// Follows one ray to where it leaves a dark patch.
+fn leave_disc(ray: &mut Ray) -> Option<f32> {
+    let mut previous = ray.here()?;
+    if previous.1 >= 0.0 {
+        return Some(BEGIN);
     }
-    let points: Vec<Point2<f64>> = found.iter().map(|&(_, point)| point).collect();
-    fit_ellipse(&points, ROUGH).map(|fit| fit.ellipse)
-}
-
-/// Unit vectors along the rays.
-static DIRECTIONS: LazyLock<[Vector2<f64>; RAYS]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
-        let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
-        Vector2::new(cos, sin)
-    })
-});
-
-/// What is found along each ray, its direction given in units of the patch's own radii; `None` as soon as too many rays have found
-/// nothing.
-fn along_rays<T>(axes: &Matrix2<f64>, find: impl Fn(Vector2<f64>) -> Option<T>) -> Option<Vec<T>> {
-    let mut found = Vec::with_capacity(RAYS);
-    for i in 0..RAYS {
-        let each = RAYS / FIRST_RAYS.0;
-        found.extend(find(
-            axes * DIRECTIONS[i % FIRST_RAYS.0 * each + i / FIRST_RAYS.0],
-        ));
-        let possible = found.len() + RAYS - 1 - i;
-        let hopeless = i + 1 == FIRST_RAYS.0 && found.len() < FIRST_RAYS.1;
-        if hopeless || (possible as f64) < LEAST_RAYS * RAYS as f64 {
-            return None;
+    while previous.0 < DISC_REACH {
+        let next = ray.next()?;
+        if next.1 >= 0.0 {
+            return Some(crossing(previous, next));
         }
+        previous = next;
     }
-    Some(found)
+    None
 }
 
 /// The compact patches of a level; where there are too many, those that stand out most from the noise about
@@ -173,21 +125,34 @@ fn is_compact(blob: &Blob) -> bool {
 
 /// The two outlines of the ring around a patch: where the band turns dark and where it turns light again.
 fn surrounded(seen: Seen, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
-    let axes = half_axes(&blob.spread)?;
-    let margin = f64::from(seen.band.margins.at(blob.centre.x, blob.centre.y));
-    let reach = (2.5 / ratio, margin);
-    let crossings = along_rays(&axes, |axis| cross_ring(seen, blob.centre, axis, reach))?;
-    let (inner, outer): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
+    let margin = seen.band.margins.at(blob.centre.x, blob.centre.y);
+    let reach = (2.5 / ratio) as f32;
+    let rays = Rays::of(seen, blob)?;
+    let [inner, outer] = rays.each(|ray| cross_ring(ray, reach, margin))?;
+    let sizes = f64::from(middle(&inner) / middle(&outer));
+    // ellipses cost more than a look at the distances
+    let (least, most) = sizes_over(ratio, SLACK);
+    if !(least / CERTAINLY..most * CERTAINLY).contains(&sizes) {
+        return None;
+    }
     let ring = RingEllipses {
-        inner: through(&inner)?,
-        outer: through(&outer)?,
+        inner: rays.through(&inner)?,
+        outer: rays.through(&outer)?,
     };
-    looks_concentric(&ring, ratio, 2.0).then_some(ring)
+    looks_concentric(&ring, ratio, SLACK).then_some(ring)
 }
 
 /// Blur lets the inner edge shrink and the outer one grow, down to this fraction of the board's radius ratio before the
 /// inner disc drowns.
 const MOST_SHRINKAGE: f64 = 0.33;
+
+/// Least and most of inner over outer size of what can be a ring.
+fn sizes_over(ratio: f64, slack: f64) -> (f64, f64) {
+    (
+        ratio * MOST_SHRINKAGE,
+        (ratio * slack).min(0.5 * (1.0 + ratio)),
+    )
+}
 
 /// Whether two ellipses can be the circles of one ring: nested, alike in shape, and their sizes in the board's `ratio`,
 /// less what blur takes from it and within the factor `slack` above it.
@@ -196,58 +161,34 @@ pub(super) fn looks_concentric(ring: &RingEllipses, ratio: f64, slack: f64) -> b
     let found = inner / outer;
     let aspects = (ring.inner.minor / ring.inner.major) / (ring.outer.minor / ring.outer.major);
     let apart = (ring.inner.centre - ring.outer.centre).norm();
-    found > ratio * MOST_SHRINKAGE
-        && found < (ratio * slack).min(0.5 * (1.0 + ratio))
+    let (least, most) = sizes_over(ratio, slack);
+    found > least
+        && found < most
         && apart < 0.3 * (outer - inner)
         && ring.outer.minor > 0.2 * ring.outer.major
         && (0.5..2.0).contains(&aspects)
 }
 
-/// The matrix that carries the unit circle to the ellipse with this spread.
-fn half_axes(spread: &Matrix2<f64>) -> Option<Matrix2<f64>> {
-    let eigen = spread.symmetric_eigen();
-    let root = eigen.eigenvalues.map(|v| 2.0 * v.max(0.0).sqrt());
-    (root.min() > 0.0).then(|| {
-        eigen.eigenvectors * Matrix2::from_diagonal(&root) * eigen.eigenvectors.transpose()
-    })
-}
-
-/// A distance along a ray and the point there.
-type Crossing = (f64, Point2<f64>);
-
 /// Follows one ray out of the patch: the zero crossings into the dark ring and out of it.
-fn cross_ring(
-    seen: Seen,
-    centre: Point2<f64>,
-    axis: Vector2<f64>,
-    (reach, margin): (f64, f64),
-) -> Option<(Crossing, Crossing)> {
-    let at = |t: f64| seen.at(centre + axis * t).map(f64::from);
-    let step = step(&axis);
-    let mut previous = (BEGIN, at(BEGIN)?);
-    let (mut inner, mut darkest) = (None, 0.0_f64);
-    let steps = ((reach - BEGIN) / step) as usize;
-    for t in (1..=steps).map(|i| BEGIN + i as f64 * step) {
-        let value = at(t)?;
-        let crossing = || {
-            let (t0, v0) = previous;
-            let at = t0 + (t - t0) * v0 / (v0 - value);
-            (at, centre + axis * at)
-        };
+fn cross_ring(ray: &mut Ray, reach: f32, margin: f32) -> Option<[f32; 2]> {
+    let mut previous = ray.here()?;
+    let (mut inner, mut darkest) = (None, 0.0_f32);
+    while previous.0 < reach {
+        let next = ray.next()?;
         match inner {
-            None if value <= 0.0 && previous.1 > 0.0 => inner = Some(crossing()),
-            None if t > 2.0 => return None,
-            Some(begin) if value >= 0.0 && previous.1 < 0.0 => {
+            None if next.1 <= 0.0 && previous.1 > 0.0 => inner = Some(crossing(previous, next)),
+            None if next.0 > INNER_REACH => return None,
+            Some(begin) if next.1 >= 0.0 && previous.1 < 0.0 => {
                 if darkest < -margin {
-                    return Some((begin, crossing()));
+                    return Some([begin, crossing(previous, next)]);
                 }
                 // noise made it cross before the ring began
                 inner = None;
             }
             _ => {}
         }
-        darkest = darkest.min(value);
-        previous = (t, value);
+        darkest = darkest.min(next.1);
+        previous = next;
     }
     None
 }

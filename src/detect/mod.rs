@@ -20,6 +20,7 @@ mod nearby;
 mod orientation;
 mod other_size;
 mod outermost;
+mod outward;
 mod patch;
 mod places;
 mod plausible;

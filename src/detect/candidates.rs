@@ -76,7 +76,7 @@ pub(super) fn disc_candidates(seen: Seen, level: Level) -> Vec<Ellipse> {
 fn outline(seen: Seen, blob: &Blob) -> Option<Ellipse> {
     let rays = Rays::of(seen, blob)?;
     let [ends] = rays.each(|ray| leave_disc(ray).map(|end| [end]))?;
-    rays.through(&ends)
+    rays.outline(&ends)
 }
 
 /// Follows one ray to where it leaves a dark patch.
@@ -136,7 +136,7 @@ fn surrounded(seen: Seen, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
         return None;
     }
     let ring = RingEllipses {
-        inner: rays.through(&inner)?,
+        inner: rays.outline(&inner)?,
         outer: rays.through(&outer)?,
     };
     looks_concentric(&ring, ratio, SLACK).then_some(ring)

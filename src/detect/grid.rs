@@ -103,7 +103,7 @@ fn measured<'a>(
         lattice,
         Care::of(options.estimator),
     );
-    measured.complete();
+    measured.complete(options.required.least(board));
     Ok((measured, another))
 }
 

@@ -221,26 +221,41 @@ fn settle(nodes: &Nodes, free: &[bool], mut members: BTreeMap<Label, usize>) -> 
                 (nodes.all[at].centre - place.at).norm() < FIT_TOLERANCE * place.step_px()
             })
         });
-        places = self::places(nodes, &members)?;
-        let mut taken = vec![false; nodes.all.len()];
-        members.values().for_each(|&at| taken[at] = true);
-        for label in around(&members) {
-            let Some(place) = places.expect(label) else {
-                continue;
-            };
-            let usable = |i: usize| free[i] && !taken[i];
-            let tolerance_px = FIT_TOLERANCE * place.step_px();
-            if let Some(at) = nodes.nearest(place.at, tolerance_px, usable) {
-                taken[at] = true;
-                members.insert(label, at);
-            }
+        let left = members.len();
+        if left < before.len() {
+            places = self::places(nodes, &members)?;
         }
+        add_expected(nodes, free, &places, &mut members);
         if members == before {
             break;
         }
-        places = self::places(nodes, &members)?;
+        if members.len() > left {
+            places = self::places(nodes, &members)?;
+        }
     }
     Some(Lattice { members, places })
+}
+
+/// Adds what stands where a lattice expects further rings.
+fn add_expected(
+    nodes: &Nodes,
+    free: &[bool],
+    places: &Places,
+    members: &mut BTreeMap<Label, usize>,
+) {
+    let mut taken = vec![false; nodes.all.len()];
+    members.values().for_each(|&at| taken[at] = true);
+    for label in around(members) {
+        let Some(place) = places.expect(label) else {
+            continue;
+        };
+        let usable = |i: usize| free[i] && !taken[i];
+        let tolerance_px = FIT_TOLERANCE * place.step_px();
+        if let Some(at) = nodes.nearest(place.at, tolerance_px, usable) {
+            taken[at] = true;
+            members.insert(label, at);
+        }
+    }
 }
 
 fn places(nodes: &Nodes, members: &BTreeMap<Label, usize>) -> Option<Places> {

@@ -61,33 +61,54 @@ impl<'a> Measured<'a> {
     /// Looks for rings at every free place of the board; where the lattice is smaller than the board, also one step
     /// beyond it on each side, as long as that finds any. A place that came to nothing is looked at again only where further rings have
     /// moved it.
-    pub(super) fn complete(&mut self) {
+    ///
+    /// Where the lattice has more gaps than a board with the `least` rings that do, these are looked at first, and nothing more if most
+    /// of them stay empty: texture has such lattices.
+    pub(super) fn complete(&mut self, least: usize) {
+        let most_gaps = self.board.ring_count().saturating_sub(least);
         let mut tried: BTreeMap<Label, Point2<f64>> = BTreeMap::new();
         for _ in 0..self.board.rows().max(self.board.columns()) {
-            let Some(places) = self.free_places() else {
+            let Some((gaps, beside)) = self.free_places() else {
                 return;
             };
-            let mut to_try = Vec::new();
-            for label in places {
-                let Some(place) = self.places.expect(label) else {
-                    continue;
-                };
-                let near = |at: &Point2<f64>| (place.at - at).norm() < MOVED * place.step_px();
-                if !tried.get(&label).is_some_and(near) {
-                    tried.insert(label, place.at);
-                    to_try.push(label);
-                }
-            }
+            let has_gaps = gaps.len() > most_gaps;
+            let places = if has_gaps {
+                gaps
+            } else {
+                [gaps, beside].concat()
+            };
+            let to_try = self.moved(places, &mut tried);
+            let looked_at = to_try.len();
             let found: Vec<(Label, RingFit)> = to_try
                 .into_par_iter()
                 .filter_map(|label| Some((label, self.look_at(label)?)))
                 .collect();
-            if found.is_empty() {
+            if found.is_empty() || (has_gaps && 2 * found.len() < looked_at) {
                 return;
             }
             self.rings.extend(found);
             self.settle_places();
         }
+    }
+
+    /// Those of the places that have not been tried where they are now; from now on they have.
+    fn moved(
+        &self,
+        mut labels: Vec<Label>,
+        tried: &mut BTreeMap<Label, Point2<f64>>,
+    ) -> Vec<Label> {
+        labels.retain(|&label| {
+            let Some(place) = self.places.expect(label) else {
+                return false;
+            };
+            let near = |at: &Point2<f64>| (place.at - at).norm() < MOVED * place.step_px();
+            let known = tried.get(&label).is_some_and(near);
+            if !known {
+                tried.insert(label, place.at);
+            }
+            !known
+        });
+        labels
     }
 
     /// Says anew where each ring is expected, by those that are there.
@@ -120,10 +141,14 @@ impl<'a> Measured<'a> {
         )
     }
 
-    /// Labels without a ring within the board, or next to the lattice where it is smaller than the board.
-    fn free_places(&self) -> Option<Vec<Label>> {
+    /// Labels without a ring: within the lattice, and those of the board beside it, or next to it where it is smaller than the board.
+    fn free_places(&self) -> Option<(Vec<Label>, Vec<Label>)> {
         let numbering = self.numbering()?;
         let ((left, right), (top, bottom)) = extent(self.rings.keys().map(|&l| numbering.of(l)));
+        let within = |label: &Label| {
+            let (column, row) = numbering.of(*label);
+            (left..=right).contains(&column) && (top..=bottom).contains(&row)
+        };
         let grow = |first: i32, last: i32, size: i32| {
             if last - first + 1 < size {
                 (first - 1, last + 1)
@@ -131,13 +156,13 @@ impl<'a> Measured<'a> {
                 (first.max(0), last.min(size - 1))
             }
         };
-        let (left, right) = grow(left, right, i32::from(self.board.columns()));
-        let (top, bottom) = grow(top, bottom, i32::from(self.board.rows()));
-        let places = (top..=bottom)
-            .flat_map(|row| (left..=right).map(move |column| (column, row)))
+        let (first, last) = grow(left, right, i32::from(self.board.columns()));
+        let (above, below) = grow(top, bottom, i32::from(self.board.rows()));
+        let places = (above..=below)
+            .flat_map(|row| (first..=last).map(move |column| (column, row)))
             .map(|place| numbering.label(place))
             .filter(|label| !self.rings.contains_key(label))
-            .collect();
+            .partition(within);
         Some(places)
     }
 

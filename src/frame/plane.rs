@@ -190,7 +190,7 @@ impl<T: Pixel> Plane<T> {
 }
 
 /// Places along a line that are computed together.
-const TOGETHER: usize = 64;
+const TOGETHER: usize = 16;
 
 /// Whole and broken part of `begin`, `begin + step` and so on, the whole one from 0 to `last`.
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::band_pass::BandPass;
 use super::blobs::{Blob, blobs};
-use super::outward::{BEGIN, Ray, Rays, crossing, middle};
+use super::outward::{ALL_RAYS, BEGIN, FEW_RAYS, Ray, Rays, crossing, middle};
 use super::runs::Side;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Level;
@@ -75,7 +75,7 @@ pub(super) fn disc_candidates(seen: Seen, level: Level) -> Vec<Ellipse> {
 /// Where the band passes zero around a dark patch.
 fn outline(seen: Seen, blob: &Blob) -> Option<Ellipse> {
     let rays = Rays::of(seen, blob)?;
-    let [ends] = rays.each(|ray| leave_disc(ray).map(|end| [end]))?;
+    let [ends] = rays.each(FEW_RAYS, |ray| leave_disc(ray).map(|end| [end]))?;
     rays.outline(&ends)
 }
 
@@ -128,7 +128,7 @@ fn surrounded(seen: Seen, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
     let margin = seen.band.margins.at(blob.centre.x, blob.centre.y);
     let reach = (2.5 / ratio) as f32;
     let rays = Rays::of(seen, blob)?;
-    let [inner, outer] = rays.each(|ray| cross_ring(ray, reach, margin))?;
+    let [inner, outer] = rays.each(ALL_RAYS, |ray| cross_ring(ray, reach, margin))?;
     let sizes = f64::from(middle(&inner) / middle(&outer));
     // ellipses cost more than a look at the distances
     let (least, most) = sizes_over(ratio, SLACK);

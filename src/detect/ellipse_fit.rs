@@ -1,12 +1,11 @@
 //! An ellipse through edge points, robust to those that lie on something else (a shadow's border, a finger).
 
+use super::second_start::least_median;
 use crate::centre::Ellipse;
 use nalgebra::{Matrix3, Point2, SMatrix, SVector};
 
 /// Reweighted solutions until the weights settle: so many at most. Fewer lose rings of which noise and blur leave little.
 const ROUNDS: usize = 12;
-/// Subsets of five points that the second start tries: with a third of the points elsewhere, one in eight is good.
-const SUBSETS: usize = 60;
 /// How well an ellipse has to be known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Precision {
@@ -36,7 +35,7 @@ const TUKEY: f64 = 4.685;
 /// Residuals below this are never outliers, px: it keeps a perfect fit from rejecting its rounding errors.
 const LEAST_SCALE_PX: f64 = 0.01;
 /// Standard deviation of normal noise over the median of its absolute values.
-const NORMAL: f64 = 1.4826;
+pub(super) const NORMAL: f64 = 1.4826;
 /// An ellipse has five parameters; fewer points than this determine none reliably.
 const LEAST_POINTS: usize = 8;
 
@@ -162,42 +161,6 @@ fn reweight(
     })
 }
 
-/// The ellipse through five of the points with the least median distance to all (Rousseeuw 1984).
-fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
-    // a fixed sequence (Lehmer's) keeps the result the same from run to run
-    let mut state = 48_271_u64;
-    let mut pick = || {
-        state = state * 48_271 % 2_147_483_647;
-        unit[state as usize % unit.len()]
-    };
-    let mut room = Vec::new();
-    let mut best: Option<(f64, SVector<f64, 5>)> = None;
-    for _ in 0..SUBSETS {
-        let Some(conic) = solve(&[pick(), pick(), pick(), pick(), pick()], &[1.0; 5]) else {
-            continue;
-        };
-        if best.is_some_and(|(least, _)| !half_within(unit, &conic, least)) {
-            continue;
-        }
-        let residuals: Vec<(f64, f64)> = unit.iter().map(|p| sampson(&conic, p)).collect();
-        best = Some((robust_scale(&residuals, &mut room), conic));
-    }
-    best.map(|(_, conic)| conic)
-}
-
-/// Whether the median distance to a curve is less than that of a scale: most curves are far from so many points that the first few dozen
-/// tell.
-fn half_within(unit: &[Point2<f64>], conic: &SVector<f64, 5>, scale: f64) -> bool {
-    let most = scale / NORMAL;
-    let mut may_lie_off = unit.len() - 1 - unit.len() / 2;
-    unit.iter().all(|p| {
-        let off = sampson(conic, p).0.abs() >= most;
-        let goes_on = !off || may_lie_off > 0;
-        may_lie_off -= usize::from(off && goes_on);
-        goes_on
-    })
-}
-
 /// Weighted least squares of F over the points. What it needs of them are their moments up to the fourth.
 fn solve(points: &[Point2<f64>], weights: &[f64]) -> Option<SVector<f64, 5>> {
     let (mut x4, mut x3y, mut x2y2, mut xy3, mut y4) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -227,7 +190,7 @@ fn solve(points: &[Point2<f64>], weights: &[f64]) -> Option<SVector<f64, 5>> {
 }
 
 /// Signed distance to the curve to first order, and the length of F's gradient there.
-fn sampson(q: &SVector<f64, 5>, p: &Point2<f64>) -> (f64, f64) {
+pub(super) fn sampson(q: &SVector<f64, 5>, p: &Point2<f64>) -> (f64, f64) {
     let gx = 2.0 * (q[0] * p.x + q[1] * p.y + q[3]);
     let gy = 2.0 * (q[1] * p.x + q[2] * p.y + q[4]);
     let f = 0.5 * (gx * p.x + gy * p.y) + q[3] * p.x + q[4] * p.y - 1.0;
@@ -241,7 +204,7 @@ fn matrix(q: &SVector<f64, 5>) -> Matrix3<f64> {
 }
 
 /// Standard deviation from the median of the absolute distances.
-fn robust_scale(residuals: &[(f64, f64)], absolute: &mut Vec<u64>) -> f64 {
+pub(super) fn robust_scale(residuals: &[(f64, f64)], absolute: &mut Vec<u64>) -> f64 {
     absolute.clear();
     // numbers that are not negative are in the order of their bits, which are faster to compare
     absolute.extend(residuals.iter().map(|r| r.0.abs().to_bits()));

@@ -16,6 +16,8 @@ use std::collections::BTreeMap;
 const SAME_SIZE: f64 = 0.5;
 /// A ring this much smaller or larger (logarithm) than the board says is seen with its contrast inverted.
 const ALIKE: f64 = 0.25;
+/// Where less than one in so many gaps has a ring, most are none of a board.
+const FEW: usize = 4;
 /// A place that moved by less than this fraction of the step to the next one shows nothing new.
 const MOVED: f64 = 0.05;
 
@@ -62,8 +64,8 @@ impl<'a> Measured<'a> {
     /// beyond it on each side, as long as that finds any. A place that came to nothing is looked at again only where further rings have
     /// moved it.
     ///
-    /// Where the lattice has more gaps than a board with the `least` rings that do, these are looked at first, and nothing more if most
-    /// of them stay empty: texture has such lattices.
+    /// Where the lattice has more gaps than a board with the `least` rings that do, these are looked at first, and nothing more if nearly
+    /// all of them stay empty: texture has such lattices.
     pub(super) fn complete(&mut self, least: usize) {
         let most_gaps = self.board.ring_count().saturating_sub(least);
         let mut tried: BTreeMap<Label, Point2<f64>> = BTreeMap::new();
@@ -83,7 +85,7 @@ impl<'a> Measured<'a> {
                 .into_par_iter()
                 .filter_map(|label| Some((label, self.look_at(label)?)))
                 .collect();
-            if found.is_empty() || (has_gaps && 2 * found.len() < looked_at) {
+            if found.is_empty() || (has_gaps && FEW * found.len() < looked_at) {
                 return;
             }
             self.rings.extend(found);

@@ -30,6 +30,7 @@ mod ring_fit;
 mod rings;
 mod runs;
 mod scales;
+mod second_start;
 mod single;
 mod whole;
 

@@ -12,8 +12,11 @@ use std::sync::LazyLock;
 
 /// Rays from the patch's centre.
 const RAYS: usize = 32;
-/// How many of them must find what they look for.
-const LEAST_RAYS: usize = 23;
+/// Fraction of them that must find what they look for.
+const LEAST_RAYS: f64 = 0.7;
+/// How many tell how large a disc is.
+pub(super) const FEW_RAYS: usize = 16;
+pub(super) const ALL_RAYS: usize = RAYS;
 /// So many rays, evenly spread, are looked at first: fewer than this must not come to nothing, which most of texture's do.
 const FIRST_RAYS: (usize, usize) = (8, 5);
 /// Where a ray begins: a compact patch is not left nearer to its middle, in units of its own radius.
@@ -69,15 +72,16 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// What is found along each ray, which is one distance or several; `None` as soon as too many rays have found nothing, or the first
+    /// What is found along each of so many rays, which is one distance or several; `None` as soon as too many rays have found nothing, or the first
     /// few what is as uneven as around no disc.
     pub(super) fn each<const EACH: usize>(
         &self,
+        rays: usize,
         find: impl Fn(&mut Ray) -> Option<[f32; EACH]>,
     ) -> Option<[Vec<Found>; EACH]> {
         let mut found: [Vec<Found>; EACH] = std::array::from_fn(|_| Vec::with_capacity(RAYS));
-        let (mut count, mut most_missing) = (0, RAYS - LEAST_RAYS);
-        for ray in 0..RAYS {
+        let (mut count, mut most_missing) = (0, ((1.0 - LEAST_RAYS) * rays as f64) as usize);
+        for ray in 0..rays.min(RAYS) {
             if ray == FIRST_RAYS.0
                 && (count < FIRST_RAYS.1 || found.iter().any(|f| unevenness(f) > FIRST_UNEVEN))
             {

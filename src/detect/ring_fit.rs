@@ -44,14 +44,21 @@ impl Care {
     /// Whether rays of the ellipses that came of a round would find what those of the ones before it did.
     fn is_settled(self, before: &RingEllipses, after: &RingEllipses) -> bool {
         let most = HARDLY * (after.outer.minor - after.inner.minor);
-        let moved = |a: &Ellipse, b: &Ellipse| {
-            let sizes = (a.major - b.major).abs().max((a.minor - b.minor).abs());
-            (a.centre - b.centre).norm() + sizes
-        };
         self == Self::Start
             && moved(&before.inner, &after.inner) < most
             && moved(&before.outer, &after.outer) < most
     }
+
+    /// The same of a disc's outline.
+    fn is_settled_disc(self, before: &Ellipse, after: &Ellipse, ratio: f64) -> bool {
+        self == Self::Start && moved(before, after) < HARDLY * (1.0 - ratio) * after.minor
+    }
+}
+
+/// How far an ellipse's outline has moved, px.
+fn moved(a: &Ellipse, b: &Ellipse) -> f64 {
+    let sizes = (a.major - b.major).abs().max((a.minor - b.minor).abs());
+    (a.centre - b.centre).norm() + sizes
 }
 
 /// Ellipses that moved by less than this fraction of the ring's width did not move.
@@ -148,7 +155,7 @@ pub(super) fn measure_disc(
         if !(drowned && is_clean(&outer, outer.ellipse.minor)) {
             return None;
         }
-        outline = outer.ellipse;
+        let before = std::mem::replace(&mut outline, outer.ellipse);
         fit = Some(RingFit {
             outer: outline,
             inner: None,
@@ -156,6 +163,9 @@ pub(super) fn measure_disc(
             stray_px: outer.scale_px,
             contrast: edges.contrast,
         });
+        if care.is_settled_disc(&before, &outline, ratio) {
+            break;
+        }
     }
     fit
 }

@@ -2,7 +2,7 @@
 //! them.
 
 use super::band_pass::BandPass;
-use super::margins::TILE;
+use super::runs::{Run, Side};
 use nalgebra::{Matrix2, Point2};
 
 /// A connected patch by its moments, px of its level.
@@ -35,10 +35,9 @@ impl Blob {
     }
 }
 
-/// Pixels `begin..end` of one row, in the patch `label`.
-struct Run {
-    begin: u32,
-    end: u32,
+/// A run of the row above, in the patch `label`.
+struct Labelled {
+    run: Run,
     label: u32,
 }
 
@@ -90,85 +89,38 @@ impl Sums {
     }
 }
 
-/// Which patches of a band are sought.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
-    /// Above the surroundings (inner discs).
-    Light,
-    /// Below the surroundings (rings).
-    Dark,
-}
-
 /// All 4-connected patches beyond the margin, in the order of their first pixel (a union-find over runs, one pass).
 pub(super) fn blobs(band: &BandPass, side: Side) -> Vec<Blob> {
     let mut parents: Vec<u32> = Vec::new();
     let mut sums: Vec<Sums> = Vec::new();
-    let mut above: Vec<Run> = Vec::new();
-    let mut runs: Vec<Run> = Vec::new();
-    for y in 0..band.plane.height() {
-        let row = band.plane.row(y);
-        let margins = band.margins.of_row(y);
-        match side {
-            Side::Light => runs_of(row, margins, &mut runs, |v, margin| v > margin),
-            Side::Dark => runs_of(row, margins, &mut runs, |v, margin| v < -margin),
-        }
+    let mut above: Vec<Labelled> = Vec::new();
+    let mut here: Vec<Labelled> = Vec::new();
+    for (y, runs) in band.runs(side).rows().enumerate() {
+        here.clear();
         let mut first = 0;
-        for run in &mut runs {
-            while above.get(first).is_some_and(|a| a.end <= run.begin) {
+        for &run in runs {
+            while above.get(first).is_some_and(|a| a.run.end <= run.begin) {
                 first += 1;
             }
             let mut label = None;
-            for touching in above[first..].iter().take_while(|a| a.begin < run.end) {
+            for touching in above[first..].iter().take_while(|a| a.run.begin < run.end) {
                 let root = find(&mut parents, touching.label);
                 label = Some(label.map_or(root, |l| union(&mut parents, &mut sums, l, root)));
             }
-            run.label = label.unwrap_or_else(|| {
+            let label = label.unwrap_or_else(|| {
                 parents.push(parents.len() as u32);
                 sums.push(Sums::default());
                 parents.len() as u32 - 1
             });
-            sums[run.label as usize].add_run(y as f64, f64::from(run.begin), f64::from(run.end));
+            sums[label as usize].add_run(y as f64, f64::from(run.begin), f64::from(run.end));
+            here.push(Labelled { run, label });
         }
-        std::mem::swap(&mut above, &mut runs);
+        std::mem::swap(&mut above, &mut here);
     }
     (0..parents.len())
         .filter(|&i| parents[i] as usize == i)
         .map(|i| sums[i].blob())
         .collect()
-}
-
-/// Pixels that are looked at together: most lie in the midst of many that are all inside or all outside.
-const TOGETHER: usize = 16;
-
-/// The runs of pixels inside, in the order of the row; `margins` are those of its tiles.
-fn runs_of(row: &[f32], margins: &[f32], runs: &mut Vec<Run>, inside: impl Fn(f32, f32) -> bool) {
-    runs.clear();
-    let mut begin = None;
-    let mut turn = |x: usize, is_in: bool, begin: &mut Option<u32>| match (*begin, is_in) {
-        (None, true) => *begin = Some(x as u32),
-        (Some(b), false) => {
-            runs.push(Run {
-                begin: b,
-                end: x as u32,
-                label: 0,
-            });
-            *begin = None;
-        }
-        _ => {}
-    };
-    for (i, part) in row.chunks(TOGETHER).enumerate() {
-        let first = i * TOGETHER;
-        let margin = margins[first / TILE];
-        let count: u32 = part.iter().map(|&v| u32::from(inside(v, margin))).sum();
-        if count == 0 || count as usize == part.len() {
-            turn(first, count > 0, &mut begin);
-        } else {
-            for (x, &value) in part.iter().enumerate() {
-                turn(first + x, inside(value, margin), &mut begin);
-            }
-        }
-    }
-    turn(row.len(), false, &mut begin);
 }
 
 fn find(parents: &mut [u32], mut label: u32) -> u32 {
@@ -193,7 +145,6 @@ fn union(parents: &mut [u32], sums: &mut [Sums], a: u32, b: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::margins::Margins;
     use super::*;
     use crate::frame::Plane;
 
@@ -206,10 +157,8 @@ mod tests {
             .iter()
             .flat_map(|r| r.bytes().map(|b| if b == b'#' { 1.0 } else { 0.0 }))
             .collect();
-        BandPass {
-            plane: Plane::from_vec(rows[0].len(), rows.len(), data).unwrap(),
-            margins: Margins::everywhere(0.5, rows[0].len(), rows.len()),
-        }
+        let plane = Plane::from_vec(rows[0].len(), rows.len(), data).unwrap();
+        BandPass::of_differences(plane, 0.5)
     }
 
     #[test]
@@ -244,8 +193,7 @@ mod tests {
                 })
                 .collect();
             let plane = Plane::from_vec(25, 25, data).unwrap();
-            let margins = Margins::everywhere(0.5, 25, 25);
-            blobs_of(&BandPass { plane, margins })[0].ellipse_misfit()
+            blobs_of(&BandPass::of_differences(plane, 0.5))[0].ellipse_misfit()
         };
         assert!(misfit(&disc) < 0.02);
         assert!(misfit(&cross) > 0.4);

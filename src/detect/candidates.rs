@@ -1,31 +1,61 @@
 //! Patches that a ring of the other grey surrounds: rough inner and outer ellipses.
 
 use super::band_pass::BandPass;
-use super::blobs::{Blob, Side, blobs};
-use super::ellipse_fit::{NEARLY_SETTLED, fit_ellipse};
+use super::blobs::{Blob, blobs};
+use super::outward::{ALL_RAYS, BEGIN, FEW_RAYS, Ray, Rays, crossing, middle};
+use super::runs::Side;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Level;
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::Point2;
 use rayon::prelude::*;
 
-/// Rays from the patch's centre.
-const RAYS: usize = 32;
-/// Fraction of the rays that must cross into the ring and out of it again.
-const LEAST_RAYS: f64 = 0.7;
 /// Patches smaller than this are no inner disc, px of the level.
 const LEAST_AREA: f64 = 5.0;
 /// Patches larger than this are seen better one level up, px of the level.
 const MOST_AREA: f64 = 2400.0;
 /// At most so many patches of a level are looked at, so that texture costs no more than a full board.
 const MOST_PATCHES: usize = 2048;
-/// Steps along a ray, in units of the patch's own radius.
-const STEP: f64 = 0.1;
+/// How far a ray is followed for the end of an inner disc, in units of the patch's own radius.
+const INNER_REACH: f32 = 2.0;
+/// The same for the end of a disc.
+const DISC_REACH: f32 = 2.0;
+/// How far above the board's radius ratio a candidate's may be.
+const SLACK: f64 = 2.0;
+/// What distances along the rays say of the ratio before ellipses are laid through them is right within this factor.
+const CERTAINLY: f64 = 1.3;
+
+/// A band looked at for dark rings (1) or for light ones (-1), which are dark in it with all signs turned.
+#[derive(Clone, Copy)]
+pub(super) struct Seen<'a> {
+    pub(super) band: &'a BandPass,
+    pub(super) sign: f32,
+}
+
+impl Seen<'_> {
+    /// Where inner discs are.
+    fn light(&self) -> Side {
+        if self.sign > 0.0 {
+            Side::Light
+        } else {
+            Side::Dark
+        }
+    }
+
+    /// Where rings are.
+    fn dark(&self) -> Side {
+        if self.sign > 0.0 {
+            Side::Dark
+        } else {
+            Side::Light
+        }
+    }
+}
 
 /// All rings that show at one level, in frame pixels. `ratio` is the board's inner over outer radius.
-pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingEllipses> {
-    compact(band, Side::Light)
+pub(super) fn candidates(seen: Seen, level: Level, ratio: f64) -> Vec<RingEllipses> {
+    compact(seen.band, seen.light())
         .par_iter()
-        .filter_map(|blob| surrounded(band, blob, ratio))
+        .filter_map(|blob| surrounded(seen, blob, ratio))
         .map(|ring| RingEllipses {
             inner: to_frame(&ring.inner, level),
             outer: to_frame(&ring.outer, level),
@@ -34,43 +64,35 @@ pub(super) fn candidates(band: &BandPass, level: Level, ratio: f64) -> Vec<RingE
 }
 
 /// All dark patches that may be rings whose inner disc the blur has drowned: their outlines in frame pixels.
-pub(super) fn disc_candidates(band: &BandPass, level: Level) -> Vec<Ellipse> {
-    compact(band, Side::Dark)
+pub(super) fn disc_candidates(seen: Seen, level: Level) -> Vec<Ellipse> {
+    compact(seen.band, seen.dark())
         .par_iter()
-        .filter_map(|blob| outline(band, blob))
+        .filter_map(|blob| outline(seen, blob))
         .map(|outline| to_frame(&outline, level))
         .collect()
 }
 
 /// Where the band passes zero around a dark patch.
-fn outline(band: &BandPass, blob: &Blob) -> Option<Ellipse> {
-    let axes = half_axes(&blob.spread)?;
-    let points = along_rays(&axes, |axis| {
-        let at = |t: f64| {
-            let p = blob.centre + axis * t;
-            band.plane.bilinear(p.x, p.y)
-        };
-        let end = (1..=20)
-            .map(|k| f64::from(k) * STEP)
-            .find(|&t| at(t).is_some_and(|v| v >= 0.0))?;
-        Some(blob.centre + axis * (end - 0.5 * STEP))
-    })?;
-    fit_ellipse(&points, NEARLY_SETTLED).map(|fit| fit.ellipse)
+fn outline(seen: Seen, blob: &Blob) -> Option<Ellipse> {
+    let rays = Rays::of(seen, blob)?;
+    let [ends] = rays.each(FEW_RAYS, |ray| leave_disc(ray).map(|end| [end]))?;
+    rays.outline(&ends)
 }
 
-/// What is found along each ray, its direction given in units of the patch's own radii; `None` as soon as too many rays have found
-/// nothing.
-fn along_rays<T>(axes: &Matrix2<f64>, find: impl Fn(Vector2<f64>) -> Option<T>) -> Option<Vec<T>> {
-    let mut found = Vec::with_capacity(RAYS);
-    for i in 0..RAYS {
-        let (sin, cos) = (std::f64::consts::TAU * i as f64 / RAYS as f64).sin_cos();
-        found.extend(find(axes * Vector2::new(cos, sin)));
-        let possible = found.len() + RAYS - 1 - i;
-        if (possible as f64) < LEAST_RAYS * RAYS as f64 {
-            return None;
-        }
+/// Follows one ray to where it leaves a dark patch.
+fn leave_disc(ray: &mut Ray) -> Option<f32> {
+    let mut previous = ray.here()?;
+    if previous.1 >= 0.0 {
+        return Some(BEGIN);
     }
-    Some(found)
+    while previous.0 < DISC_REACH {
+        let next = ray.next()?;
+        if next.1 >= 0.0 {
+            return Some(crossing(previous, next));
+        }
+        previous = next;
+    }
+    None
 }
 
 /// The compact patches of a level; where there are too many, those that stand out most from the noise about
@@ -102,21 +124,35 @@ fn is_compact(blob: &Blob) -> bool {
 }
 
 /// The two outlines of the ring around a patch: where the band turns dark and where it turns light again.
-fn surrounded(band: &BandPass, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
-    let axes = half_axes(&blob.spread)?;
-    let reach = 2.5 / ratio;
-    let crossings = along_rays(&axes, |axis| cross_ring(band, blob.centre, axis, reach))?;
-    let (inner, outer): (Vec<_>, Vec<_>) = crossings.into_iter().unzip();
+fn surrounded(seen: Seen, blob: &Blob, ratio: f64) -> Option<RingEllipses> {
+    let margin = seen.band.margins.at(blob.centre.x, blob.centre.y);
+    let reach = (2.5 / ratio) as f32;
+    let rays = Rays::of(seen, blob)?;
+    let [inner, outer] = rays.each(ALL_RAYS, |ray| cross_ring(ray, reach, margin))?;
+    let sizes = f64::from(middle(&inner) / middle(&outer));
+    // ellipses cost more than a look at the distances
+    let (least, most) = sizes_over(ratio, SLACK);
+    if !(least / CERTAINLY..most * CERTAINLY).contains(&sizes) {
+        return None;
+    }
     let ring = RingEllipses {
-        inner: fit_ellipse(&inner, NEARLY_SETTLED)?.ellipse,
-        outer: fit_ellipse(&outer, NEARLY_SETTLED)?.ellipse,
+        inner: rays.outline(&inner)?,
+        outer: rays.through(&outer)?,
     };
-    looks_concentric(&ring, ratio, 2.0).then_some(ring)
+    looks_concentric(&ring, ratio, SLACK).then_some(ring)
 }
 
 /// Blur lets the inner edge shrink and the outer one grow, down to this fraction of the board's radius ratio before the
 /// inner disc drowns.
 const MOST_SHRINKAGE: f64 = 0.33;
+
+/// Least and most of inner over outer size of what can be a ring.
+fn sizes_over(ratio: f64, slack: f64) -> (f64, f64) {
+    (
+        ratio * MOST_SHRINKAGE,
+        (ratio * slack).min(0.5 * (1.0 + ratio)),
+    )
+}
 
 /// Whether two ellipses can be the circles of one ring: nested, alike in shape, and their sizes in the board's `ratio`,
 /// less what blur takes from it and within the factor `slack` above it.
@@ -125,57 +161,34 @@ pub(super) fn looks_concentric(ring: &RingEllipses, ratio: f64, slack: f64) -> b
     let found = inner / outer;
     let aspects = (ring.inner.minor / ring.inner.major) / (ring.outer.minor / ring.outer.major);
     let apart = (ring.inner.centre - ring.outer.centre).norm();
-    found > ratio * MOST_SHRINKAGE
-        && found < (ratio * slack).min(0.5 * (1.0 + ratio))
+    let (least, most) = sizes_over(ratio, slack);
+    found > least
+        && found < most
         && apart < 0.3 * (outer - inner)
         && ring.outer.minor > 0.2 * ring.outer.major
         && (0.5..2.0).contains(&aspects)
 }
 
-/// The matrix that carries the unit circle to the ellipse with this spread.
-fn half_axes(spread: &Matrix2<f64>) -> Option<Matrix2<f64>> {
-    let eigen = spread.symmetric_eigen();
-    let root = eigen.eigenvalues.map(|v| 2.0 * v.max(0.0).sqrt());
-    (root.min() > 0.0).then(|| {
-        eigen.eigenvectors * Matrix2::from_diagonal(&root) * eigen.eigenvectors.transpose()
-    })
-}
-
 /// Follows one ray out of the patch: the zero crossings into the dark ring and out of it.
-fn cross_ring(
-    band: &BandPass,
-    centre: Point2<f64>,
-    axis: Vector2<f64>,
-    reach: f64,
-) -> Option<(Point2<f64>, Point2<f64>)> {
-    let at = |t: f64| {
-        let p = centre + axis * t;
-        band.plane.bilinear(p.x, p.y).map(f64::from)
-    };
-    let margin = f64::from(band.margins.at(centre.x, centre.y));
-    let mut previous = (0.0, at(0.0)?);
-    let (mut inner, mut darkest) = (None, 0.0_f64);
-    let steps = (reach / STEP) as usize;
-    for t in (1..=steps).map(|i| i as f64 * STEP) {
-        let value = at(t)?;
-        let crossing = || {
-            let (t0, v0) = previous;
-            centre + axis * (t0 + (t - t0) * v0 / (v0 - value))
-        };
+fn cross_ring(ray: &mut Ray, reach: f32, margin: f32) -> Option<[f32; 2]> {
+    let mut previous = ray.here()?;
+    let (mut inner, mut darkest) = (None, 0.0_f32);
+    while previous.0 < reach {
+        let next = ray.next()?;
         match inner {
-            None if value <= 0.0 && previous.1 > 0.0 => inner = Some(crossing()),
-            None if t > 2.0 => return None,
-            Some(begin) if value >= 0.0 && previous.1 < 0.0 => {
+            None if next.1 <= 0.0 && previous.1 > 0.0 => inner = Some(crossing(previous, next)),
+            None if next.0 > INNER_REACH => return None,
+            Some(begin) if next.1 >= 0.0 && previous.1 < 0.0 => {
                 if darkest < -margin {
-                    return Some((begin, crossing()));
+                    return Some([begin, crossing(previous, next)]);
                 }
                 // noise made it cross before the ring began
                 inner = None;
             }
             _ => {}
         }
-        darkest = darkest.min(value);
-        previous = (t, value);
+        darkest = darkest.min(next.1);
+        previous = next;
     }
     None
 }
@@ -209,10 +222,11 @@ mod tests {
             let at = |x: usize, y: usize| greys[y / coarse * width + x / coarse];
             let data = (0..width * height).map(|i| at(i % width, i / width)).collect();
             let picture = Plane::from_vec(width, height, data).unwrap();
-            let band = BandPass::of(&picture, 1.0);
+            let band = BandPass::of(&picture);
             prop_assert!(compact(&band, Side::Light).len() <= MOST_PATCHES);
             prop_assert!(compact(&band, Side::Dark).len() <= MOST_PATCHES);
-            prop_assert!(candidates(&band, Level(0), 0.5).len() <= MOST_PATCHES);
+            let seen = Seen { band: &band, sign: 1.0 };
+            prop_assert!(candidates(seen, Level(0), 0.5).len() <= MOST_PATCHES);
         }
     }
 }

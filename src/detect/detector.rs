@@ -85,35 +85,45 @@ impl Detector {
     }
 
     fn detect_polarity(&self, frame: &Frame) -> Result<Detection, Miss> {
-        match self.board.polarity() {
-            Polarity::DarkOnLight => self.detect_sign(frame, 1.0),
-            Polarity::LightOnDark => self.detect_sign(frame, -1.0),
-            Polarity::Auto => {
-                let dark = self.detect_sign(frame, 1.0);
-                if evidence(&dark) == self.board.ring_count() {
-                    return dark;
-                }
-                let light = self.detect_sign(frame, -1.0);
-                if evidence(&light) > evidence(&dark) {
-                    light
-                } else {
-                    dark
-                }
+        let signs: &[f64] = match self.board.polarity() {
+            Polarity::DarkOnLight => &[1.0],
+            Polarity::LightOnDark => &[-1.0],
+            Polarity::Auto => &[1.0, -1.0],
+        };
+        if self.board.is_single() {
+            return best(signs, &self.board, |sign| {
+                find_single(frame, &self.board, &self.options, sign)
+            });
+        }
+        let mut scales = Scales::new(frame, signs[0], self.board.radius_ratio());
+        // the fast way for both before the slow one for either
+        let mut grids = [None, None];
+        for (grid, &sign) in grids.iter_mut().zip(signs) {
+            scales.turn_to(sign);
+            *grid = find_whole(&mut scales, &self.board, &self.options)
+                .map(|grid| self.measured(frame, grid, sign));
+            if let Some(found) = grid.take_if(|found| self.is_whole(found)) {
+                return found;
             }
         }
+        let mut grids = grids.into_iter();
+        best(signs, &self.board, |sign| {
+            if let Some(found) = grids.next().flatten() {
+                return found;
+            }
+            scales.turn_to(sign);
+            let grid = self.search(&mut scales, Care::of(self.options.estimator))?;
+            self.measured(frame, grid, sign)
+        })
     }
 
-    /// `sign` is 1 for dark rings, -1 for light ones.
-    fn detect_sign(&self, frame: &Frame, sign: f64) -> Result<Detection, Miss> {
-        if self.board.is_single() {
-            return find_single(frame, &self.board, &self.options, sign);
-        }
-        let care = Care::of(self.options.estimator);
-        let mut scales = Scales::new(frame, sign, self.board.radius_ratio());
-        let grid = match find_whole(&mut scales, &self.board, &self.options) {
-            Some(grid) => grid,
-            None => self.search(&mut scales, care)?,
-        };
+    /// Whether every ring of the board speaks for a detection.
+    fn is_whole(&self, detection: &Result<Detection, Miss>) -> bool {
+        evidence(detection) == self.board.ring_count()
+    }
+
+    /// The rings of a grid measured, and whether they are the board's; `sign` is 1 for dark rings, -1 for light ones.
+    fn measured(&self, frame: &Frame, grid: Grid, sign: f64) -> Result<Detection, Miss> {
         let (indices, another) = (grid.indices, grid.another);
         let (rings, photometric) = sure_centres(frame, &self.board, grid, &self.options, sign)?;
         let least = self.options.required.least(&self.board);
@@ -151,6 +161,27 @@ impl Detector {
             let all = add_drowned(scales, &self.board, rings, care);
             find_grid(frame, &self.board, &all, sign, &self.options)
         })
+    }
+}
+
+/// What is found for the sign for which more rings speak: the first one's where these are all of the board's, or as many.
+fn best(
+    signs: &[f64],
+    board: &Board,
+    mut find: impl FnMut(f64) -> Result<Detection, Miss>,
+) -> Result<Detection, Miss> {
+    let first = find(signs[0]);
+    let Some(&other) = signs.get(1) else {
+        return first;
+    };
+    if evidence(&first) == board.ring_count() {
+        return first;
+    }
+    let second = find(other);
+    if evidence(&second) > evidence(&first) {
+        second
+    } else {
+        first
     }
 }
 

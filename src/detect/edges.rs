@@ -10,7 +10,7 @@ use crate::frame::{Pixel, Plane};
 use nalgebra::{Matrix3, Point2, Vector2};
 
 /// Fewest and most rays of a ring; between, one for each pixel of the outer edge.
-const RAYS: (usize, usize) = (48, 192);
+pub(super) const RAYS: (usize, usize) = (48, 192);
 /// Rays on either side over which levels are smoothed, as a fraction of all.
 const LEVEL_SMOOTHING: f64 = 1.0 / 24.0;
 const MOST_REACH: usize = RAYS.1 / 24;
@@ -20,8 +20,6 @@ const LEAST_RAYS: f64 = 0.6;
 /// Where an edge is taken to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum LevelRule {
-    /// As `Extrema`, on few rays: for where the next rays are to go.
-    Rough,
     /// Half-way between the extrema of its own profile: there is one wherever the ring shows at all.
     Extrema,
     /// Half-way between the levels of the print: the paper as it is around the ring, and the ring as dark as it is where it is
@@ -50,18 +48,15 @@ struct Levels {
     outside: f64,
 }
 
-/// Finds the edges near rough ellipses; `sign` is 1 where the ring is dark, -1 where it is light. `None` where fewer than
+/// Finds the edges near rough ellipses, on [`RAYS`] or less; `sign` is 1 where the ring is dark, -1 where it is light. `None` where fewer than
 /// [`LEAST_RAYS`] of the rays stay in the picture and show the outer edge.
 pub(super) fn ring_edges<T: Pixel>(
     picture: &Plane<T>,
     rough: &RingEllipses,
     sign: f64,
-    rule: LevelRule,
+    (rule, most_rays): (LevelRule, usize),
 ) -> Option<RingEdges> {
-    let count = match rule {
-        LevelRule::Rough => RAYS.0,
-        _ => ((std::f64::consts::TAU * rough.outer.major) as usize).clamp(RAYS.0, RAYS.1),
-    };
+    let count = ((std::f64::consts::TAU * rough.outer.major) as usize).clamp(RAYS.0, most_rays);
     let mut rays = Rays::default();
     for i in 0..count {
         let t = std::f64::consts::TAU * i as f64 / count as f64;
@@ -126,16 +121,7 @@ fn smoothed_levels(profiles: &[Profile]) -> Vec<Levels> {
     let reach = ((profiles.len() as f64 * LEVEL_SMOOTHING) as usize).clamp(1, MOST_REACH);
     let smooth = |of: fn(&Profile) -> f64| -> Vec<f64> {
         let raw: Vec<f64> = profiles.iter().map(of).collect();
-        (0..raw.len())
-            .map(|i| {
-                let mut around = [0.0; 2 * MOST_REACH + 1];
-                let around = &mut around[..2 * reach + 1];
-                for (k, value) in around.iter_mut().enumerate() {
-                    *value = raw[(i + raw.len() + k - reach) % raw.len()];
-                }
-                median(around)
-            })
-            .collect()
+        running_median(&raw, reach)
     };
     let (inside, ring, outside) = (
         smooth(|p| p.inside),
@@ -149,6 +135,35 @@ fn smoothed_levels(profiles: &[Profile]) -> Vec<Levels> {
             outside: outside[i],
         })
         .collect()
+}
+
+/// Around a closed curve, the median of every value and `reach` of its neighbours to either side, [`MOST_REACH`] at most. They are kept in
+/// order while one comes and one goes.
+fn running_median(raw: &[f64], reach: usize) -> Vec<f64> {
+    let n = raw.len();
+    let mut room = [0.0; 2 * MOST_REACH + 1];
+    let around = &mut room[..2 * reach + 1];
+    for (k, value) in around.iter_mut().enumerate() {
+        *value = raw[(n + k - reach) % n];
+    }
+    around.sort_unstable_by(f64::total_cmp);
+    let mut medians = Vec::with_capacity(n);
+    for i in 0..n {
+        medians.push(around[reach]);
+        let (goes, comes) = (raw[(i + n - reach) % n], raw[(i + 1 + reach) % n]);
+        let gone = around.iter().position(|v| v.total_cmp(&goes).is_eq());
+        let mut at = gone.unwrap_or(0);
+        around[at] = comes;
+        while at > 0 && around[at - 1] > comes {
+            around.swap(at - 1, at);
+            at -= 1;
+        }
+        while at + 1 < around.len() && around[at + 1] < comes {
+            around.swap(at, at + 1);
+            at += 1;
+        }
+    }
+    medians
 }
 
 /// The rays that show the ring as dark as it is printed: this fraction, so that noise does not choose.
@@ -194,4 +209,21 @@ pub(super) fn median(values: &mut [f64]) -> f64 {
     }
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_running_median_is_the_median_of_every_window() {
+        for (n, reach) in [(48, 2), (30, 8), (29, 1), (5, 2)] {
+            let raw: Vec<f64> = (0..n).map(|i| f64::from((i * 37) % 11)).collect();
+            let found = running_median(&raw, reach);
+            for i in 0..raw.len() {
+                let window = (0..=2 * reach).map(|k| raw[(i + raw.len() + k - reach) % raw.len()]);
+                assert_eq!(found[i], median(&mut window.collect::<Vec<_>>()));
+            }
+        }
+    }
 }

@@ -1,22 +1,41 @@
 //! An ellipse through edge points, robust to those that lie on something else (a shadow's border, a finger).
 
+use super::second_start::least_median;
 use crate::centre::Ellipse;
 use nalgebra::{Matrix3, Point2, SMatrix, SVector};
 
-/// Reweighted solutions until the weights settle: so many at most.
+/// Reweighted solutions until the weights settle: so many at most. Fewer lose rings of which noise and blur leave little.
 const ROUNDS: usize = 12;
-/// None after one that moved the ellipse by less than this fraction of its radius.
-pub(super) const SETTLED: f64 = 1e-7;
-/// The same where the ellipse is no result but where something else begins.
-pub(super) const NEARLY_SETTLED: f64 = 1e-4;
+/// How well an ellipse has to be known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Precision {
+    /// No solution after one that moved the ellipse by less than this fraction of its radius.
+    settled: f64,
+    /// Fewer inliers than this, or residuals above this fraction of the radius, call for a second start.
+    suspicious: (f64, f64),
+}
+
+/// Where the ellipse is the result.
+pub(super) const EXACT: Precision = Precision {
+    settled: 1e-7,
+    suspicious: (0.95, 0.02),
+};
+/// Where something else begins at it.
+pub(super) const NEAR: Precision = Precision {
+    settled: 1e-3,
+    ..EXACT
+};
+/// Where its points are known to a pixel of a few, and nearly all belong to it.
+pub(super) const ROUGH: Precision = Precision {
+    settled: 3e-3,
+    suspicious: (0.0, f64::INFINITY),
+};
 /// Tukey's biweight constant: 95 % efficiency on normal noise.
 const TUKEY: f64 = 4.685;
 /// Residuals below this are never outliers, px: it keeps a perfect fit from rejecting its rounding errors.
 const LEAST_SCALE_PX: f64 = 0.01;
-/// Fewer inliers than this, or residuals above this fraction of the radius, call for a second start.
-const SUSPICIOUS: (f64, f64) = (0.95, 0.02);
-/// Subsets of five points that the second start tries: with a third of the points elsewhere, one in eight is good.
-const SUBSETS: usize = 60;
+/// Standard deviation of normal noise over the median of its absolute values.
+pub(super) const NORMAL: f64 = 1.4826;
 /// An ellipse has five parameters; fewer points than this determine none reliably.
 const LEAST_POINTS: usize = 8;
 
@@ -35,7 +54,7 @@ pub(super) struct EllipseFit {
 ///
 /// The points must surround the ellipse: their mean lies inside it, so F = q . (x^2, 2xy, y^2, 2x, 2y) - 1 about that mean
 /// describes every candidate and each round is a linear problem. `None` where they determine no ellipse.
-pub(super) fn fit_ellipse(points: &[Point2<f64>], settled: f64) -> Option<EllipseFit> {
+pub(super) fn fit_ellipse(points: &[Point2<f64>], precision: Precision) -> Option<EllipseFit> {
     if points.len() < LEAST_POINTS {
         return None;
     }
@@ -55,11 +74,11 @@ pub(super) fn fit_ellipse(points: &[Point2<f64>], settled: f64) -> Option<Ellips
         .map(|p| ((p - origin) / radius).into())
         .collect();
     let start = solve(&unit, &vec![1.0; unit.len()])?;
-    let mut best = reweight(&unit, start, (radius, settled))?;
-    if best.inliers < SUSPICIOUS.0 || best.scale > SUSPICIOUS.1 {
+    let mut best = reweight(&unit, start, (radius, precision))?;
+    if best.inliers < precision.suspicious.0 || best.scale > precision.suspicious.1 {
         // outliers in plenty have drawn the first solution to them
         let second =
-            least_median(&unit).and_then(|start| reweight(&unit, start, (radius, settled)));
+            least_median(&unit).and_then(|start| reweight(&unit, start, (radius, precision)));
         best = second
             .into_iter()
             .chain([best])
@@ -111,7 +130,7 @@ struct Solution {
 fn reweight(
     unit: &[Point2<f64>],
     start: SVector<f64, 5>,
-    (radius_px, settled): (f64, f64),
+    (radius_px, precision): (f64, Precision),
 ) -> Option<Solution> {
     let mut conic = start;
     let mut scale = f64::INFINITY;
@@ -130,7 +149,7 @@ fn reweight(
         let next = solve(unit, &weights)?;
         let moved = (next - conic).amax();
         conic = next;
-        if moved < settled {
+        if moved < precision.settled {
             break;
         }
     }
@@ -140,25 +159,6 @@ fn reweight(
         conic,
         scale,
     })
-}
-
-/// The ellipse through five of the points with the least median distance to all (Rousseeuw 1984).
-fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
-    // a fixed sequence (Lehmer's) keeps the result the same from run to run
-    let mut state = 48_271_u64;
-    let mut pick = || {
-        state = state * 48_271 % 2_147_483_647;
-        unit[state as usize % unit.len()]
-    };
-    let mut room = Vec::new();
-    (0..SUBSETS)
-        .filter_map(|_| solve(&[pick(), pick(), pick(), pick(), pick()], &[1.0; 5]))
-        .map(|conic| {
-            let residuals: Vec<(f64, f64)> = unit.iter().map(|p| sampson(&conic, p)).collect();
-            (robust_scale(&residuals, &mut room), conic)
-        })
-        .min_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, conic)| conic)
 }
 
 /// Weighted least squares of F over the points. What it needs of them are their moments up to the fourth.
@@ -190,7 +190,7 @@ fn solve(points: &[Point2<f64>], weights: &[f64]) -> Option<SVector<f64, 5>> {
 }
 
 /// Signed distance to the curve to first order, and the length of F's gradient there.
-fn sampson(q: &SVector<f64, 5>, p: &Point2<f64>) -> (f64, f64) {
+pub(super) fn sampson(q: &SVector<f64, 5>, p: &Point2<f64>) -> (f64, f64) {
     let gx = 2.0 * (q[0] * p.x + q[1] * p.y + q[3]);
     let gy = 2.0 * (q[1] * p.x + q[2] * p.y + q[4]);
     let f = 0.5 * (gx * p.x + gy * p.y) + q[3] * p.x + q[4] * p.y - 1.0;
@@ -204,11 +204,12 @@ fn matrix(q: &SVector<f64, 5>) -> Matrix3<f64> {
 }
 
 /// Standard deviation from the median of the absolute distances.
-fn robust_scale(residuals: &[(f64, f64)], absolute: &mut Vec<f64>) -> f64 {
+pub(super) fn robust_scale(residuals: &[(f64, f64)], absolute: &mut Vec<u64>) -> f64 {
     absolute.clear();
-    absolute.extend(residuals.iter().map(|r| r.0.abs()));
+    // numbers that are not negative are in the order of their bits, which are faster to compare
+    absolute.extend(residuals.iter().map(|r| r.0.abs().to_bits()));
     let middle = absolute.len() / 2;
-    1.4826 * *absolute.select_nth_unstable_by(middle, f64::total_cmp).1
+    NORMAL * f64::from_bits(*absolute.select_nth_unstable(middle).1)
 }
 
 #[cfg(test)]
@@ -232,7 +233,7 @@ mod tests {
 
     #[test]
     fn exact_points_give_the_exact_ellipse() {
-        let fit = fit_ellipse(&around(40), SETTLED).unwrap();
+        let fit = fit_ellipse(&around(40), EXACT).unwrap();
         assert!((fit.ellipse.centre - TRUTH.centre).norm() < 1e-9);
         assert!((fit.ellipse.major - TRUTH.major).abs() < 1e-9);
         assert!((fit.ellipse.angle - TRUTH.angle).abs() < 1e-9);
@@ -253,7 +254,7 @@ mod tests {
         let exact = ellipse_along(&many).unwrap();
         assert!((few.centre - exact.centre).norm() < 3e-5);
         assert!((few.major - exact.major).abs() < 3e-5);
-        let robust = fit_ellipse(&many, SETTLED).unwrap().ellipse;
+        let robust = fit_ellipse(&many, EXACT).unwrap().ellipse;
         assert!((few.centre - robust.centre).norm() < 1e-4);
         assert!((few.major - robust.major).abs() < 1e-4);
     }
@@ -269,7 +270,7 @@ mod tests {
         for p in points.iter_mut().take(12) {
             *p += (TRUTH.centre - *p) * 0.25;
         }
-        let fit = fit_ellipse(&points, SETTLED).unwrap();
+        let fit = fit_ellipse(&points, EXACT).unwrap();
         assert!((fit.ellipse.centre - TRUTH.centre).norm() < 0.05);
         assert!((fit.ellipse.minor - TRUTH.minor).abs() < 0.1);
         assert!(fit.inliers > 0.75 && fit.inliers < 0.85, "{}", fit.inliers);
@@ -277,10 +278,10 @@ mod tests {
 
     #[test]
     fn points_that_determine_nothing_give_nothing() {
-        assert!(fit_ellipse(&around(7), SETTLED).is_none());
-        assert!(fit_ellipse(&[Point2::new(3.0, 4.0); 20], SETTLED).is_none());
+        assert!(fit_ellipse(&around(7), EXACT).is_none());
+        assert!(fit_ellipse(&[Point2::new(3.0, 4.0); 20], EXACT).is_none());
         let line: Vec<Point2<f64>> = (0..20).map(|i| Point2::new(f64::from(i), 2.0)).collect();
-        assert!(fit_ellipse(&line, SETTLED).is_none());
-        assert!(fit_ellipse(&[Point2::new(f64::NAN, 0.0); 9], SETTLED).is_none());
+        assert!(fit_ellipse(&line, EXACT).is_none());
+        assert!(fit_ellipse(&[Point2::new(f64::NAN, 0.0); 9], EXACT).is_none());
     }
 }

@@ -1,26 +1,20 @@
-//! The board in a lattice: which rings are which, the missing ones looked for where they must be, the verdict.
+//! The board in a lattice: which one it is, which rings are which, the verdict.
 
 use super::detection::{Indices, Miss};
 use super::detector::DetectOptions;
-use super::edges::median;
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::marks::numbering_by_marks;
-use super::orientation::{Numbering, choose};
-use super::places::Places;
+use super::measured::Measured;
 use super::plausible::is_plausible;
 use super::required::Required;
-use super::ring_fit::{Care, RingFit, measure, measure_disc};
+use super::ring_fit::{Care, RingFit};
 use crate::board::Board;
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
-use std::collections::BTreeMap;
 
 /// How large drowned rings look, over their true size: tried after 1.
 const DROWNED_SIZES: [f64; 2] = [0.7, 0.5];
-/// A ring is taken for one of the board's if its size is that of the others within this (logarithm).
-const SAME_SIZE: f64 = 0.5;
-/// A ring this much smaller or larger (logarithm) than the board says is seen with its contrast inverted.
-const ALIKE: f64 = 0.25;
+
 /// One ring of the board: where it is on the board and what it looks like.
 pub(super) struct Placed {
     pub(super) row: u16,
@@ -109,7 +103,7 @@ fn measured<'a>(
         lattice,
         Care::of(options.estimator),
     );
-    measured.complete();
+    measured.complete(options.required.least(board));
     Ok((measured, another))
 }
 
@@ -121,7 +115,7 @@ fn lattices_of_any_size(
     outers: &[Ellipse],
     spacing: f64,
 ) -> Vec<Lattice> {
-    let mut best = lattices(outers, spacing);
+    let mut best = lattices(outers, spacing, 0);
     let drowned = rings.iter().filter(|ring| ring.inner.is_none()).count();
     let largest = |found: &[Lattice]| found.first().map_or(0, |l| l.members.len());
     if 2 * drowned <= rings.len() {
@@ -131,7 +125,7 @@ fn lattices_of_any_size(
         if 2 * largest(&best) >= board.ring_count() {
             break;
         }
-        let other = lattices(outers, spacing / size);
+        let other = lattices(outers, spacing / size, 0);
         if largest(&other) > largest(&best) {
             best = other;
         }
@@ -161,154 +155,7 @@ fn too_few_or_no_grid(board: &Board, found: usize, required: Required) -> Miss {
     }
 }
 
-/// A lattice whose members are measured rings, and what is needed to measure more.
-pub(super) struct Measured<'a> {
-    pub(super) frame: &'a Frame,
-    pub(super) board: &'a Board,
-    sign: f64,
-    care: Care,
-    pub(super) rings: BTreeMap<Label, RingFit>,
-    pub(super) places: Places,
-    /// How large the rings look, over what the board says.
-    size: f64,
-}
-
-impl<'a> Measured<'a> {
-    fn new(
-        frame: &'a Frame,
-        board: &'a Board,
-        rings: &[RingFit],
-        sign: f64,
-        lattice: &Lattice,
-        care: Care,
-    ) -> Self {
-        let rings = lattice
-            .members
-            .iter()
-            .map(|(&label, &at)| (label, rings[at]))
-            .collect();
-        let mut measured = Self {
-            frame,
-            board,
-            sign,
-            care,
-            rings,
-            places: lattice.places.clone(),
-            size: 1.0,
-        };
-        measured.settle_size();
-        measured
-    }
-
-    /// Looks for rings at every free place of the board; where the lattice is smaller than the board, also one step
-    /// beyond it on each side, as long as that finds any.
-    fn complete(&mut self) {
-        for _ in 0..self.board.rows().max(self.board.columns()) {
-            let Some(places) = self.free_places() else {
-                return;
-            };
-            let found: Vec<(Label, RingFit)> = places
-                .into_iter()
-                .filter_map(|label| Some((label, self.look_at(label)?)))
-                .collect();
-            if found.is_empty() {
-                return;
-            }
-            self.rings.extend(found);
-            self.settle_places();
-        }
-    }
-
-    /// Says anew where each ring is expected, by those that are there.
-    pub(super) fn settle_places(&mut self) {
-        let rings = self.rings.iter();
-        if let Some(places) = Places::fit(rings.map(|(&label, ring)| (label, ring.outer.centre))) {
-            self.places = places;
-        }
-        self.settle_size();
-    }
-
-    fn settle_size(&mut self) {
-        let size = |(&label, ring): (&Label, &RingFit)| {
-            let expected = self.predicted_ellipses(label)?.outer;
-            Some(ring.outer.mean_radius() / expected.mean_radius())
-        };
-        let mut sizes: Vec<f64> = self.rings.iter().filter_map(size).collect();
-        if !sizes.is_empty() {
-            self.size = median(&mut sizes);
-        }
-    }
-
-    pub(super) fn numbering(&self) -> Option<Numbering> {
-        let labels: Vec<Label> = self.rings.keys().copied().collect();
-        choose(
-            &labels,
-            &self.places.homography,
-            self.board.rows(),
-            self.board.columns(),
-        )
-    }
-
-    /// Labels without a ring within the board, or next to the lattice where it is smaller than the board.
-    fn free_places(&self) -> Option<Vec<Label>> {
-        let numbering = self.numbering()?;
-        let ((left, right), (top, bottom)) = extent(self.rings.keys().map(|&l| numbering.of(l)));
-        let grow = |first: i32, last: i32, size: i32| {
-            if last - first + 1 < size {
-                (first - 1, last + 1)
-            } else {
-                (first.max(0), last.min(size - 1))
-            }
-        };
-        let (left, right) = grow(left, right, i32::from(self.board.columns()));
-        let (top, bottom) = grow(top, bottom, i32::from(self.board.rows()));
-        let places = (top..=bottom)
-            .flat_map(|row| (left..=right).map(move |column| (column, row)))
-            .map(|place| numbering.label(place))
-            .filter(|label| !self.rings.contains_key(label))
-            .collect();
-        Some(places)
-    }
-
-    /// Both circles where the homography says they are.
-    fn predicted_ellipses(&self, label: Label) -> Option<RingEllipses> {
-        let image = |radius_m: f64| self.places.circle(label, radius_m / self.board.pitch_m());
-        Some(RingEllipses {
-            inner: image(self.board.inner_radius_m())?,
-            outer: image(self.board.outer_radius_m())?,
-        })
-    }
-
-    /// Measures a ring where the homography says it is.
-    pub(super) fn look_at(&self, label: Label) -> Option<RingFit> {
-        let rough = self.predicted_ellipses(label)?;
-        let ratio = self.board.radius_ratio();
-        let ring = measure(self.frame, &rough, self.sign, ratio, self.care)
-            .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio, self.care))?;
-        let place = self.places.expect(label)?;
-        let near = (ring.outer.centre - place.at).norm() < 0.25 * place.step_px();
-        let relative = ring.outer.major / (self.size * rough.outer.major);
-        let alike = relative.ln().abs() < SAME_SIZE;
-        (near && alike).then_some(ring)
-    }
-
-    /// The two ellipses of a measured ring.
-    fn ellipses(&self, label: Label, ring: &RingFit) -> Option<RingEllipses> {
-        let mut ellipses = self.predicted_ellipses(label)?;
-        let relative = ring.outer.mean_radius() / ellipses.outer.mean_radius();
-        let alike = relative.ln().abs() < ALIKE;
-        if let Some(inner) = ring.inner.filter(|_| alike) {
-            return Some(RingEllipses {
-                inner,
-                outer: ring.outer,
-            });
-        }
-        let shift = ring.outer.centre - ellipses.outer.centre;
-        ellipses.inner.centre += shift;
-        ellipses.outer.centre += shift;
-        Some(ellipses)
-    }
-
+impl Measured<'_> {
     fn verdict(mut self, required: Required) -> Result<(Vec<Placed>, Indices), Miss> {
         self.leave_out_strays();
         let (rows, columns) = (self.board.rows(), self.board.columns());

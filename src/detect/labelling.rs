@@ -22,6 +22,9 @@ const FIT_TOLERANCE: f64 = 0.2;
 /// The least lattice that determines a plane.
 const LEAST_MEMBERS: usize = 4;
 
+/// Each ring is a step of so many walks at most, on average.
+const MOST_STEPS: usize = 8;
+
 /// Column and row of a lattice: the origin and the quarter turn are arbitrary, the handedness is not.
 pub(super) type Label = (i32, i32);
 
@@ -35,26 +38,62 @@ pub(super) struct Lattice {
 }
 
 /// The lattices that rings form, given by their outer ellipses: largest first; each ring is in at most one. `spacing` is pitch over
-/// outer radius.
-pub(super) fn lattices(outers: &[Ellipse], spacing: f64) -> Vec<Lattice> {
+/// outer radius. Those through which a walk finds fewer than `least` rings are passed over: texture has such in plenty.
+///
+/// A walk may come to nothing and begin anew from each of its rings: all walks together take at most [`MOST_STEPS`] steps for each ring.
+pub(super) fn lattices(outers: &[Ellipse], spacing: f64, least: usize) -> Vec<Lattice> {
     let nodes = Nodes::of(outers);
-    let mut free = vec![true; outers.len()];
+    let settled = |free: &[bool], members| settle(&nodes, free, members);
+    let mut found = walk_all(&nodes, spacing, least, settled, |lattice| {
+        lattice.members.values().copied().collect()
+    });
+    found.sort_by_key(|l| std::cmp::Reverse(l.members.len()));
+    found
+}
+
+/// The rings of such lattices before those that do not agree with the others are left out and those that are missed are added: to see
+/// which are worth measuring, that will do.
+pub(super) fn walks(outers: &[Ellipse], spacing: f64, least: usize) -> Vec<Vec<usize>> {
+    let nodes = Nodes::of(outers);
+    let members = |_: &[bool], members: BTreeMap<Label, usize>| {
+        Some(members.into_values().collect::<Vec<usize>>())
+    };
+    let mut found = walk_all(&nodes, spacing, least, members, Clone::clone);
+    found.sort_by_key(|walk| std::cmp::Reverse(walk.len()));
+    found
+}
+
+/// What becomes of the walks from all rings that no earlier one has taken.
+fn walk_all<L>(
+    nodes: &Nodes,
+    spacing: f64,
+    least: usize,
+    becomes: impl Fn(&[bool], BTreeMap<Label, usize>) -> Option<L>,
+    members: impl Fn(&L) -> Vec<usize>,
+) -> Vec<L> {
+    let count = nodes.all.len();
+    let mut free = vec![true; count];
     let mut found = Vec::new();
-    for seed in 0..outers.len() {
-        if !free[seed] {
+    let mut steps = 0;
+    for seed in 0..count {
+        if !free[seed] || steps > MOST_STEPS * count {
             continue;
         }
-        let Some(lattice) =
-            grow(&nodes, &free, seed, spacing).and_then(|m| settle(&nodes, &free, m))
-        else {
+        let Some(walk) = grow(nodes, &free, seed, spacing) else {
             continue;
         };
-        for &member in lattice.members.values() {
+        steps += walk.len();
+        if walk.len() < least.max(LEAST_MEMBERS) {
+            continue;
+        }
+        let Some(lattice) = becomes(&free, walk) else {
+            continue;
+        };
+        for member in members(&lattice) {
             free[member] = false;
         }
         found.push(lattice);
     }
-    found.sort_by_key(|l| std::cmp::Reverse(l.members.len()));
     found
 }
 
@@ -137,7 +176,7 @@ fn grow(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<BTree
             queue.push_back((next, moved));
         }
     }
-    (members.len() >= LEAST_MEMBERS).then_some(members)
+    Some(members)
 }
 
 /// The two neighbours of a seed that stand best at a right angle, as steps of the column and of the row.
@@ -182,26 +221,41 @@ fn settle(nodes: &Nodes, free: &[bool], mut members: BTreeMap<Label, usize>) -> 
                 (nodes.all[at].centre - place.at).norm() < FIT_TOLERANCE * place.step_px()
             })
         });
-        places = self::places(nodes, &members)?;
-        let mut taken = vec![false; nodes.all.len()];
-        members.values().for_each(|&at| taken[at] = true);
-        for label in around(&members) {
-            let Some(place) = places.expect(label) else {
-                continue;
-            };
-            let usable = |i: usize| free[i] && !taken[i];
-            let tolerance_px = FIT_TOLERANCE * place.step_px();
-            if let Some(at) = nodes.nearest(place.at, tolerance_px, usable) {
-                taken[at] = true;
-                members.insert(label, at);
-            }
+        let left = members.len();
+        if left < before.len() {
+            places = self::places(nodes, &members)?;
         }
+        add_expected(nodes, free, &places, &mut members);
         if members == before {
             break;
         }
-        places = self::places(nodes, &members)?;
+        if members.len() > left {
+            places = self::places(nodes, &members)?;
+        }
     }
     Some(Lattice { members, places })
+}
+
+/// Adds what stands where a lattice expects further rings.
+fn add_expected(
+    nodes: &Nodes,
+    free: &[bool],
+    places: &Places,
+    members: &mut BTreeMap<Label, usize>,
+) {
+    let mut taken = vec![false; nodes.all.len()];
+    members.values().for_each(|&at| taken[at] = true);
+    for label in around(members) {
+        let Some(place) = places.expect(label) else {
+            continue;
+        };
+        let usable = |i: usize| free[i] && !taken[i];
+        let tolerance_px = FIT_TOLERANCE * place.step_px();
+        if let Some(at) = nodes.nearest(place.at, tolerance_px, usable) {
+            taken[at] = true;
+            members.insert(label, at);
+        }
+    }
 }
 
 fn places(nodes: &Nodes, members: &BTreeMap<Label, usize>) -> Option<Places> {

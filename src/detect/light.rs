@@ -25,8 +25,8 @@ pub(super) fn bad_light(frame: &Frame) -> Option<Miss> {
     if greys.is_empty() {
         return None;
     }
-    greys.sort_unstable();
-    let at = |fraction: f64| greys[((greys.len() - 1) as f64 * fraction) as usize];
+    let last = (greys.len() - 1) as f64;
+    let mut at = |fraction: f64| *greys.select_nth_unstable((last * fraction) as usize).1;
     let (darkest, brightest) = (at(PERCENTILES.0), at(PERCENTILES.1));
     let clipped = greys.iter().filter(|&&grey| grey == full).count() as f64 / greys.len() as f64;
     if brightest < DARK_STEPS && f64::from(brightest) < DARK * f64::from(full) {

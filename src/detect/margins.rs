@@ -4,8 +4,9 @@
 //! lost; so every tile of the picture has a margin of its own, where it is quieter than the whole. (Never a larger one: in the midst of
 //! a board the differences are those of its rings.)
 
-use crate::frame::Plane;
-use rayon::prelude::*;
+use super::band_pass::smooth_row;
+use crate::frame::{Pixel, Plane};
+use std::ops::Range;
 
 /// Side of a tile, px of the level: a multiple of the pixels that are looked at together (`blobs`).
 pub(super) const TILE: usize = 32;
@@ -26,24 +27,63 @@ pub(super) struct Margins {
     columns: usize,
 }
 
+/// The margin of a picture as a whole.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Usual {
+    /// Standard deviation of the noise that smoothing leaves.
+    noise: f32,
+    /// The least difference that counts however little noise there is.
+    least: f32,
+}
+
+impl Usual {
+    /// Of some thousand of a picture's pixels, smoothed.
+    pub(super) fn of<T: Pixel>(picture: &Plane<T>) -> Self {
+        let every = sampling(picture);
+        let (mut room, mut row) = (Vec::new(), vec![0.0; picture.width()]);
+        let (mut differences, mut greys) = (Vec::new(), Vec::new());
+        for y in (0..picture.height()).step_by(every) {
+            smooth_row(picture, y, &mut room, &mut row);
+            differences.extend(row.windows(7).step_by(every).map(second));
+            greys.extend(row.iter().step_by(every));
+        }
+        Self {
+            noise: of_differences(&mut differences),
+            least: RANGE_FRACTION * range(&mut greys),
+        }
+    }
+}
+
+/// The margins of the tiles in some rows of a smoothed picture, by row, then column.
+pub(super) fn tile_margins(smooth: &Plane<f32>, rows: Range<usize>, usual: &Usual) -> Vec<f32> {
+    let columns = smooth.width().div_ceil(TILE);
+    let corners = rows
+        .clone()
+        .step_by(TILE)
+        .flat_map(|y| (0..columns).map(move |column| (column * TILE, y)));
+    corners
+        .map(|(x, y)| {
+            let own = (y + TILE <= rows.end).then(|| tile_noise(smooth, x, y));
+            let quiet = own
+                .flatten()
+                .map_or(usual.noise, |noise| usual.noise.min(TILE_CAUTION * noise));
+            (NOISE_FACTOR * quiet).max(usual.least)
+        })
+        .collect()
+}
+
 impl Margins {
-    /// Of a smoothed picture.
-    pub(super) fn of(smooth: &Plane<f32>) -> Self {
-        let least = RANGE_FRACTION * range(smooth);
-        let usual = noise(smooth);
-        let (columns, rows) = (
-            smooth.width().div_ceil(TILE),
-            smooth.height().div_ceil(TILE),
-        );
-        let tiles = (0..rows * columns)
-            .into_par_iter()
-            .map(|at| {
-                let own = tile_noise(smooth, at % columns * TILE, at / columns * TILE);
-                let quiet = own.map_or(usual, |noise| usual.min(TILE_CAUTION * noise));
-                (NOISE_FACTOR * quiet).max(least)
-            })
-            .collect();
-        Self { tiles, columns }
+    /// Of no rows yet, so wide, px.
+    pub(super) fn new(width: usize) -> Self {
+        Self {
+            tiles: Vec::new(),
+            columns: width.div_ceil(TILE),
+        }
+    }
+
+    /// Adds rows of tiles.
+    pub(super) fn extend(&mut self, tiles: Vec<f32>) {
+        self.tiles.extend(tiles);
     }
 
     /// The same everywhere, for a picture of this size.
@@ -57,6 +97,7 @@ impl Margins {
     }
 
     /// Those of the tiles along a row of pixels.
+    #[cfg(test)]
     pub(super) fn of_row(&self, y: usize) -> &[f32] {
         let first = y / TILE * self.columns;
         &self.tiles[first..first + self.columns]
@@ -76,23 +117,13 @@ const SAMPLING: usize = 7;
 const SAMPLES: usize = 6000;
 
 /// Every how many pixels, each way.
-fn sampling(picture: &Plane<f32>) -> usize {
+fn sampling<T: Pixel>(picture: &Plane<T>) -> usize {
     let pixels = picture.width() * picture.height();
     SAMPLING.max((pixels / SAMPLES).isqrt())
 }
 
-/// Standard deviation of the noise that smoothing left: the median of second differences over three pixels, which
-/// structure hardly moves.
-fn noise(smooth: &Plane<f32>) -> f32 {
-    let every = sampling(smooth);
-    let mut differences: Vec<f32> = (0..smooth.height())
-        .step_by(every)
-        .flat_map(|y| smooth.row(y).windows(7).step_by(every).map(second))
-        .collect();
-    of_differences(&mut differences)
-}
-
-/// The same of one tile, by its upper left corner; `None` where the picture ends within it.
+/// Standard deviation of the noise that smoothing left of one tile, by its upper left corner: the median of second differences over three
+/// pixels, which structure hardly moves. `None` where the picture ends within it.
 fn tile_noise(smooth: &Plane<f32>, x: usize, y: usize) -> Option<f32> {
     if x + TILE > smooth.width() || y + TILE > smooth.height() {
         return None;
@@ -122,13 +153,8 @@ fn of_differences(differences: &mut [f32]) -> f32 {
 }
 
 /// From the 2nd to the 98th percentile of the grey values.
-fn range(smooth: &Plane<f32>) -> f32 {
-    let every = sampling(smooth);
-    let mut values: Vec<f32> = (0..smooth.height())
-        .step_by(every)
-        .flat_map(|y| smooth.row(y).iter().step_by(every).copied())
-        .collect();
-    quantile(&mut values, 0.98) - quantile(&mut values, 0.02)
+fn range(greys: &mut [f32]) -> f32 {
+    quantile(greys, 0.98) - quantile(greys, 0.02)
 }
 
 fn quantile(values: &mut [f32], fraction: f32) -> f32 {
@@ -142,7 +168,12 @@ fn quantile(values: &mut [f32], fraction: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detect::band_pass::BandPass;
     use rand::{RngExt, SeedableRng};
+
+    fn margins(picture: &Plane<f32>) -> Margins {
+        BandPass::of(picture).margins
+    }
 
     #[test]
     fn a_quiet_part_has_a_smaller_margin_than_the_rest() {
@@ -155,7 +186,7 @@ mod tests {
                 0.5 + if quiet { 0.01 } else { 0.3 } * (random.random::<f32>() - 0.5)
             })
             .collect();
-        let margins = Margins::of(&Plane::from_vec(width, height, data).unwrap());
+        let margins = margins(&Plane::from_vec(width, height, data).unwrap());
         assert!(margins.at(140.0, 140.0) < 0.1 * margins.at(20.0, 20.0));
         assert_eq!(margins.at(140.0, 140.0), margins.of_row(140)[4]);
         assert_eq!(margins.at(-5.0, 1e4), margins.of_row(255)[0]);
@@ -165,7 +196,7 @@ mod tests {
     fn even_noise_has_nearly_one_margin() {
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(4);
         let data = (0..640 * 480).map(|_| random.random()).collect();
-        let margins = Margins::of(&Plane::from_vec(640, 480, data).unwrap());
+        let margins = margins(&Plane::from_vec(640, 480, data).unwrap());
         let usual = margins.tiles.iter().copied().fold(0.0, f32::max);
         let lower = margins.tiles.iter().filter(|&&m| m < 0.9 * usual);
         assert!(lower.count() * 5 < margins.tiles.len());

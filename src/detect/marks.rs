@@ -84,15 +84,15 @@ fn score(board: &Board, numbering: Numbering, look: impl Fn(Label) -> Option<f64
 }
 
 /// What a place of the board looks like.
-struct Spot {
+pub(super) struct Spot {
     /// Paper less ring.
-    contrast: f64,
+    pub(super) contrast: f64,
     /// Middle less ring: as large as the contrast where there is an inner circle in focus.
     depth: f64,
 }
 
 /// `None` outside the frame.
-fn spot(frame: &Frame, board: &Board, places: &Places, label: Label) -> Option<Spot> {
+pub(super) fn spot(frame: &Frame, board: &Board, places: &Places, label: Label) -> Option<Spot> {
     let at = places.expect(label)?.at;
     let pitch = board.pitch_m();
     let mean = |radius_m: f64| {

@@ -1,6 +1,7 @@
 //! Frame -> [`Detection`]: where every ring of the board is in one frame.
 
 mod band_pass;
+mod bends;
 mod blobs;
 mod candidates;
 mod centres;
@@ -14,10 +15,12 @@ mod light;
 mod likeness;
 mod margins;
 mod marks;
+mod measured;
 mod nearby;
 mod orientation;
 mod other_size;
 mod outermost;
+mod outward;
 mod patch;
 mod places;
 mod plausible;
@@ -25,7 +28,9 @@ mod profile;
 mod required;
 mod ring_fit;
 mod rings;
+mod runs;
 mod scales;
+mod second_start;
 mod single;
 mod whole;
 

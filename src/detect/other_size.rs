@@ -1,13 +1,18 @@
 //! Lattices that do not have the board's size: another board, or one that the frame cuts off.
 
-use super::grid::Measured;
+use super::edges::median;
 use super::labelling::{Label, extent};
+use super::marks::spot;
+use super::measured::Measured;
 use super::orientation::Numbering;
+use rayon::prelude::*;
 
 /// A lattice as full as this shows its true extent.
 const FULL: f64 = 0.8;
 /// A line beside the lattice is there where so many of its rings show.
 const GOES_ON: f64 = 0.5;
+/// No ring beside a board is fainter than this, over the contrast of the board's.
+const LEAST_CONTRAST: f64 = 0.05;
 /// One of so many times the board's rings is a wall of them.
 const MANY: f64 = 1.5;
 
@@ -80,18 +85,40 @@ impl Measured<'_> {
             i32::from(self.board.columns()) - 1,
             i32::from(self.board.rows()) - 1,
         );
+        let least = LEAST_CONTRAST * self.usual_contrast();
         let shows = |line: Vec<Label>| {
-            let rings = line.iter().filter(|&&place| {
+            let wanted = (GOES_ON * line.len() as f64).ceil() as usize;
+            let (mut seen, mut left) = (0, line.len());
+            for place in line {
+                // as soon as it is known, nothing more is measured
+                if seen >= wanted || seen + left < wanted {
+                    break;
+                }
+                left -= 1;
                 let label = numbering.label(place);
-                self.rings.contains_key(&label) || self.look_at(label).is_some()
-            });
-            rings.count() as f64 >= GOES_ON * line.len() as f64
+                let ring = self.rings.contains_key(&label)
+                    || (self.is_printed(label, least) && self.look_at(label).is_some());
+                seen += usize::from(ring);
+            }
+            seen >= wanted
         };
         let row = |row: i32| (0..=last.0).map(|column| (column, row)).collect();
         let column = |column: i32| (0..=last.1).map(|row| (column, row)).collect();
         [row(-1), row(last.1 + 1), column(-1), column(last.0 + 1)]
-            .into_iter()
+            .into_par_iter()
             .any(shows)
+    }
+
+    fn usual_contrast(&self) -> f64 {
+        let mut contrasts: Vec<f64> = self.rings.values().map(|ring| ring.contrast).collect();
+        median(&mut contrasts)
+    }
+
+    /// Whether a place has at least this contrast of paper and ring, which costs much less to see than to measure a ring. Where a part
+    /// of that lies outside the frame it may have.
+    fn is_printed(&self, label: Label, least: f64) -> bool {
+        spot(self.frame, self.board, &self.places, label)
+            .is_none_or(|spot| spot.contrast.abs() >= least)
     }
 
     /// Whether a place one step beyond the lattice lies outside the frame (or so near its border that a ring there is

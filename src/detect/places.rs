@@ -1,17 +1,10 @@
 //! Where the rings of a lattice lie in the frame: the homography of their plane, and what the lens bends near each.
 
+use super::bends::Bends;
 use super::labelling::Label;
 use crate::camera::homography::{apply, fit_homography};
 use crate::centre::Ellipse;
-use nalgebra::{Matrix2, Matrix3, Point2, SMatrix, SVector, Vector2};
-use std::collections::BTreeMap;
-
-/// Rings this many steps away and nearer say how the lens bends a place.
-const REACH: i32 = 2;
-
-/// How stiff the quadratic is in its constant, linear and square terms, relative to the rings that say how the lens bends: enough for few of
-/// them to leave it alone.
-const STIFFNESS: [f64; 6] = [0.0, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3];
+use nalgebra::{Matrix2, Matrix3, Point2, Vector2};
 
 /// Logarithm of the size of a circle under the homography over that of a small one there, beyond which the latter is believed.
 const ALIKE: f64 = 0.25;
@@ -24,8 +17,10 @@ const MOST_STRETCH: f64 = 1.8;
 pub(super) struct Places {
     /// Label (column, row) to frame px.
     pub(super) homography: Matrix3<f64>,
-    /// How far each ring lies from where the homography puts it, px.
-    bends: BTreeMap<Label, Vector2<f64>>,
+    /// The way back.
+    inverse: Matrix3<f64>,
+    /// How far each place lies from where the homography puts it, by the rings around it, px.
+    bends: Bends,
 }
 
 /// Where a ring is expected.
@@ -59,7 +54,11 @@ impl Places {
             .iter()
             .map(|&(label, at)| Some((label, at - apply(&homography, plane(label))?)))
             .collect::<Option<_>>()?;
-        Some(Self { homography, bends })
+        Some(Self {
+            homography,
+            inverse: homography.try_inverse()?,
+            bends: Bends::of(&bends),
+        })
     }
 
     /// Where the ring with this label is expected from all others; `None` beyond the horizon.
@@ -74,12 +73,13 @@ impl Places {
 
     /// Where a label is, px.
     fn at(&self, label: Label) -> Option<Point2<f64>> {
-        Some(apply(&self.homography, plane(label))? + self.bend(label))
+        Some(apply(&self.homography, plane(label))? + self.bends.at(label))
     }
 
     /// From one column, and from one row, to the next about a label, px.
     fn steps(&self, label: Label) -> Option<Matrix2<f64>> {
-        Some(self.stretch(label)? * self.flat_steps(label)?)
+        let flat = self.flat_steps(label)?;
+        Some(self.stretch(label, &flat)? * flat)
     }
 
     /// The same by the homography alone.
@@ -112,13 +112,14 @@ impl Places {
             minor: radius,
             angle: 0.0,
         };
-        let small = stretched(&around, &self.steps(label)?)?;
-        let inverse = self.homography.try_inverse()?;
-        let flat = Ellipse::from_conic(&(inverse.transpose() * circle * inverse));
-        let stretch = self.stretch(label)?;
+        let flat_steps = self.flat_steps(label)?;
+        let stretch = self.stretch(label, &flat_steps)?;
+        let small = stretched(&around, &(stretch * flat_steps))?;
+        let flat = self.inverse.transpose() * circle * self.inverse;
+        let flat = Ellipse::from_conic(&flat);
         let exact = flat.and_then(|ellipse| {
             Some(Ellipse {
-                centre: ellipse.centre + self.bend(label),
+                centre: ellipse.centre + self.bends.at(label),
                 ..stretched(&ellipse, &stretch)?
             })
         });
@@ -128,49 +129,18 @@ impl Places {
     }
 
     /// What the lens does to small shapes about a label, beside the homography.
-    fn stretch(&self, label: Label) -> Option<Matrix2<f64>> {
+    fn stretch(&self, label: Label, flat_steps: &Matrix2<f64>) -> Option<Matrix2<f64>> {
         let between = |a: Label, b: Label| Some((self.at(b)? - self.at(a)?) * 0.5);
         let (column, row) = label;
         let bent = Matrix2::from_columns(&[
             between((column - 1, row), (column + 1, row))?,
             between((column, row - 1), (column, row + 1))?,
         ]);
-        let stretch = bent * self.flat_steps(label)?.try_inverse()?;
+        let stretch = bent * flat_steps.try_inverse()?;
         // beyond that a quadratic has been carried too far out
         let sizes = stretch.singular_values();
         let sound = sizes.max() < MOST_STRETCH && sizes.min() > MOST_STRETCH.recip();
         Some(if sound { stretch } else { Matrix2::identity() })
-    }
-
-    /// How the rings around a label bend, itself left out: a quadratic through them, the nearer ones counting more. Where they are too few
-    /// for that, little more than their mean.
-    fn bend(&self, label: Label) -> Vector2<f64> {
-        let mut normal = SMatrix::<f64, 6, 6>::zeros();
-        let mut right = SMatrix::<f64, 6, 2>::zeros();
-        for row in label.1 - REACH..=label.1 + REACH {
-            for column in label.0 - REACH..=label.0 + REACH {
-                let Some(bend) = self.bends.get(&(column, row)) else {
-                    continue;
-                };
-                let (dx, dy) = (f64::from(column - label.0), f64::from(row - label.1));
-                if (column, row) == label {
-                    continue;
-                }
-                let weight = (dx * dx + dy * dy).recip();
-                let basis = SVector::<f64, 6>::new(1.0, dx, dy, dx * dx, dx * dy, dy * dy);
-                normal += basis * basis.transpose() * weight;
-                right += basis * bend.transpose() * weight;
-            }
-        }
-        let count = normal[(0, 0)];
-        if count <= 0.0 {
-            return Vector2::zeros();
-        }
-        for (k, stiffness) in STIFFNESS.into_iter().enumerate() {
-            normal[(k, k)] += stiffness * count;
-        }
-        let solved = normal.cholesky().map(|factor| factor.solve(&right));
-        solved.map_or_else(Vector2::zeros, |s| Vector2::new(s[(0, 0)], s[(0, 1)]))
     }
 }
 

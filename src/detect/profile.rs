@@ -186,27 +186,30 @@ fn smooth(raw: &[f32], half: usize, out: &mut Vec<f32>) {
     let (n, begin) = (raw.len(), out.len());
     out.resize(begin + n, 0.0);
     let out = &mut out[begin..];
-    let mean = |i: usize, reach: usize| {
-        let reach = reach as isize;
-        let sum: f32 = (-reach..=reach)
-            .map(|k| raw[(i as isize + k).unsigned_abs()])
-            .sum();
-        sum / (2 * reach + 1) as f32
-    };
     let (low, high) = (half.min(n), n.saturating_sub(half).max(half.min(n)));
-    for (i, out) in out.iter_mut().enumerate() {
-        if i < low || i >= high {
-            *out = mean(i, half.min(n - 1 - i));
-        }
+    for i in (0..low).chain(high..n) {
+        let reach = half.min(n - 1 - i) as isize;
+        let around = (-reach..=reach).map(|k| raw[(i as isize + k).unsigned_abs()]);
+        out[i] = around.sum::<f32>() / (2 * reach + 1) as f32;
     }
     let middle = &mut out[low..high];
-    for k in 0..=2 * half {
-        for (out, raw) in middle.iter_mut().zip(&raw[k.min(n)..]) {
-            *out += raw;
+    match half {
+        1 => box_mean::<3>(raw, middle),
+        2 => box_mean::<5>(raw, middle),
+        _ => {
+            let scale = 1.0 / (2 * half + 1) as f32;
+            for (out, raw) in middle.iter_mut().zip(raw.windows(2 * half + 1)) {
+                *out = raw.iter().sum::<f32>() * scale;
+            }
         }
     }
-    let scale = 1.0 / (2 * half + 1) as f32;
-    middle.iter_mut().for_each(|value| *value *= scale);
+}
+
+/// The mean of every window: of nearly all rings, whose width has 16 samples, they are five.
+fn box_mean<const LENGTH: usize>(raw: &[f32], out: &mut [f32]) {
+    for (out, raw) in out.iter_mut().zip(raw.array_windows::<LENGTH>()) {
+        *out = raw.iter().sum::<f32>() * (1.0 / LENGTH as f32);
+    }
 }
 
 #[cfg(test)]

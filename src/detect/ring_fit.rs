@@ -1,8 +1,8 @@
 //! From rough ellipses to a measured ring: edges, ellipses, blur; or the verdict that it is none.
 
 use super::candidates::looks_concentric;
-use super::edges::{LevelRule, RingEdges, median, ring_edges};
-use super::ellipse_fit::{EllipseFit, NEARLY_SETTLED, SETTLED, fit_ellipse};
+use super::edges::{LevelRule, RAYS, RingEdges, median, ring_edges};
+use super::ellipse_fit::{EXACT, EllipseFit, NEAR, Precision, fit_ellipse};
 use crate::centre::{Ellipse, Estimator, RingEllipses};
 use crate::frame::{Frame, Pixels};
 
@@ -32,15 +32,37 @@ impl Care {
         }
     }
 
-    /// Edges are sought along rays of the ellipses of the round before.
-    fn rounds(self) -> [LevelRule; 2] {
+    /// Edges are sought along rays of the ellipses of the round before: how many at most, and how well ellipses through them have to be
+    /// known.
+    fn rounds(self) -> [(usize, Precision); 2] {
         match self {
-            Self::Start => [LevelRule::Rough, LevelRule::Rough],
-            Self::Edges => [LevelRule::Rough, LevelRule::Extrema],
+            Self::Start => [(RAYS.0, NEAR), (RAYS.0, NEAR)],
+            Self::Edges => [(RAYS.0, NEAR), (RAYS.1, EXACT)],
         }
+    }
+
+    /// Whether rays of the ellipses that came of a round would find what those of the ones before it did.
+    fn is_settled(self, before: &RingEllipses, after: &RingEllipses) -> bool {
+        let most = HARDLY * (after.outer.minor - after.inner.minor);
+        self == Self::Start
+            && moved(&before.inner, &after.inner) < most
+            && moved(&before.outer, &after.outer) < most
+    }
+
+    /// The same of a disc's outline.
+    fn is_settled_disc(self, before: &Ellipse, after: &Ellipse, ratio: f64) -> bool {
+        self == Self::Start && moved(before, after) < HARDLY * (1.0 - ratio) * after.minor
     }
 }
 
+/// How far an ellipse's outline has moved, px.
+fn moved(a: &Ellipse, b: &Ellipse) -> f64 {
+    let sizes = (a.major - b.major).abs().max((a.minor - b.minor).abs());
+    (a.centre - b.centre).norm() + sizes
+}
+
+/// Ellipses that moved by less than this fraction of the ring's width did not move.
+const HARDLY: f64 = 0.15;
 /// Fraction of the edge points that must lie on the ellipse.
 const LEAST_INLIERS: f64 = 0.6;
 /// How far edges may stray from the ellipse: px, and as a fraction of the ring's width.
@@ -50,6 +72,8 @@ const RATIO_SLACK: f64 = 1.5;
 /// The inner disc of a ring drowns where the blur sigma passes about its radius; a disc less blurred than this fraction
 /// of what would be its inner radius is a plain disc. (Measured blur falls short of the true one there by a third.)
 const DROWNING_BLUR: f64 = 0.4;
+/// What an outline may be smaller by than the rough one: where the blur is too small for such a one, none is fitted.
+const MOST_SHRUNK: f64 = 0.6;
 /// Blur fills a ring and displaces its edges from this fraction of its narrowest width on.
 const FILLING_BLUR: f64 = 0.12;
 /// Where rays of a disc begin, as a fraction of its radius.
@@ -81,10 +105,11 @@ pub(super) fn measure(
 ) -> Option<RingFit> {
     let mut ellipses = *rough;
     let mut fit = None;
-    for rule in care.rounds() {
-        let mut edges = edges_of(frame, &ellipses, sign, rule)?;
+    for (most_rays, precision) in care.rounds() {
+        let before = ellipses;
+        let mut edges = edges_of(frame, &ellipses, sign, (LevelRule::Extrema, most_rays))?;
         let stray_px;
-        (ellipses, stray_px) = through(&edges, ratio, settled(rule))?;
+        (ellipses, stray_px) = through(&edges, ratio, precision)?;
         fit = Some(RingFit {
             outer: ellipses.outer,
             inner: Some(ellipses.inner),
@@ -92,13 +117,16 @@ pub(super) fn measure(
             stray_px,
             contrast: edges.contrast,
         });
+        if care.is_settled(&before, &ellipses) {
+            break;
+        }
     }
     let found = fit?;
     let width = found.outer.minor - found.inner.map_or(0.0, |inner| inner.minor);
     if found.blur_sigma_px < care.filling_blur() * width {
         return Some(found);
     }
-    Some(at_print_levels(frame, &found, sign, ratio).unwrap_or(found))
+    Some(at_print_levels(frame, &found, sign, ratio, care).unwrap_or(found))
 }
 
 /// Measures the outer edge alone of a ring so blurred that its inner disc does not show; `None` where there is none, or
@@ -112,19 +140,22 @@ pub(super) fn measure_disc(
 ) -> Option<RingFit> {
     let mut outline = *rough;
     let mut fit = None;
-    for rule in care.rounds() {
+    for (most_rays, precision) in care.rounds() {
         let rays = RingEllipses {
             inner: scaled(&outline, DISC_MIDDLE),
             outer: outline,
         };
-        let mut edges = edges_of(frame, &rays, sign, rule)?;
-        let outer = fit_ellipse(&edges.outer, settled(rule))?;
+        let mut edges = edges_of(frame, &rays, sign, (LevelRule::Extrema, most_rays))?;
         let blur_sigma_px = median(&mut edges.blur_sigma_px);
+        if blur_sigma_px < DROWNING_BLUR * ratio * MOST_SHRUNK * outline.minor {
+            return None;
+        }
+        let outer = fit_ellipse(&edges.outer, precision)?;
         let drowned = blur_sigma_px > DROWNING_BLUR * ratio * outer.ellipse.minor;
         if !(drowned && is_clean(&outer, outer.ellipse.minor)) {
             return None;
         }
-        outline = outer.ellipse;
+        let before = std::mem::replace(&mut outline, outer.ellipse);
         fit = Some(RingFit {
             outer: outline,
             inner: None,
@@ -132,18 +163,28 @@ pub(super) fn measure_disc(
             stray_px: outer.scale_px,
             contrast: edges.contrast,
         });
+        if care.is_settled_disc(&before, &outline, ratio) {
+            break;
+        }
     }
     fit
 }
 
 /// The same ring with its edges at the levels of the print; `None` where it has none there.
-fn at_print_levels(frame: &Frame, ring: &RingFit, sign: f64, ratio: f64) -> Option<RingFit> {
+fn at_print_levels(
+    frame: &Frame,
+    ring: &RingFit,
+    sign: f64,
+    ratio: f64,
+    care: Care,
+) -> Option<RingFit> {
+    let [_, (most_rays, precision)] = care.rounds();
     let ellipses = RingEllipses {
         inner: ring.inner?,
         outer: ring.outer,
     };
-    let edges = edges_of(frame, &ellipses, sign, LevelRule::Print)?;
-    let (moved, stray_px) = through(&edges, ratio, SETTLED)?;
+    let edges = edges_of(frame, &ellipses, sign, (LevelRule::Print, most_rays))?;
+    let (moved, stray_px) = through(&edges, ratio, precision)?;
     Some(RingFit {
         outer: moved.outer,
         inner: Some(moved.inner),
@@ -153,9 +194,9 @@ fn at_print_levels(frame: &Frame, ring: &RingFit, sign: f64, ratio: f64) -> Opti
 }
 
 /// The ellipses through both edges and how far these stray from them, px; `None` where they are none of one ring.
-fn through(edges: &RingEdges, ratio: f64, settled: f64) -> Option<(RingEllipses, f64)> {
-    let inner = fit_ellipse(&edges.inner, settled)?;
-    let outer = fit_ellipse(&edges.outer, settled)?;
+fn through(edges: &RingEdges, ratio: f64, precision: Precision) -> Option<(RingEllipses, f64)> {
+    let inner = fit_ellipse(&edges.inner, precision)?;
+    let outer = fit_ellipse(&edges.outer, precision)?;
     let ellipses = RingEllipses {
         inner: inner.ellipse,
         outer: outer.ellipse,
@@ -166,15 +207,12 @@ fn through(edges: &RingEdges, ratio: f64, settled: f64) -> Option<(RingEllipses,
         .then(|| (ellipses, inner.scale_px.max(outer.scale_px)))
 }
 
-/// How far an ellipse through edges has to settle.
-fn settled(rule: LevelRule) -> f64 {
-    match rule {
-        LevelRule::Rough => NEARLY_SETTLED,
-        LevelRule::Extrema | LevelRule::Print => SETTLED,
-    }
-}
-
-fn edges_of(frame: &Frame, rough: &RingEllipses, sign: f64, rule: LevelRule) -> Option<RingEdges> {
+fn edges_of(
+    frame: &Frame,
+    rough: &RingEllipses,
+    sign: f64,
+    rule: (LevelRule, usize),
+) -> Option<RingEdges> {
     match &frame.pixels {
         Pixels::U8(plane) => ring_edges(plane, rough, sign, rule),
         Pixels::U16(plane) => ring_edges(plane, rough, sign, rule),

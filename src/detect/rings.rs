@@ -1,6 +1,6 @@
 //! All rings of a frame, whatever their size: candidates of every pyramid level, measured on the frame itself.
 
-use super::labelling::lattices;
+use super::labelling::walks;
 use super::nearby::Nearby;
 use super::ring_fit::{Care, RingFit, measure, measure_disc};
 use super::scales::Scales;
@@ -10,8 +10,13 @@ use rayon::prelude::*;
 
 /// At most so many candidates are measured, or this many times the rings of the board: whatever a frame shows, that many are a
 /// matter of milliseconds.
-const MOST_MEASURED: usize = 256;
+const MOST_MEASURED: usize = 192;
 const MOST_PER_RING: usize = 4;
+/// Discs among them that are measured at most, or this many times the rings of the board: they are looked at only where no board is seen.
+const MOST_DISCS: usize = 96;
+const MOST_DISCS_PER_RING: usize = 2;
+/// Those that stand in a lattice go first, if it has at least this fraction of the board's rings.
+const LEAST_IN_LATTICE: f64 = 0.15;
 
 /// Every ring of dark or light that shows in the frame, each once, in no particular order but always the same.
 /// Where the frame shows more candidates than can be measured, those that stand in a lattice as the board's go first.
@@ -47,9 +52,12 @@ pub(super) fn add_drowned(
         outlines.extend(scales.discs(level));
     }
     let (frame, sign) = (scales.frame, scales.sign);
-    let discs: Vec<RingFit> = first_to_measure(board, &outlines)
+    let most = MOST_DISCS.max(MOST_DISCS_PER_RING * board.ring_count());
+    let mut chosen = first_to_measure(board, &outlines);
+    chosen.retain(|&at| at >= rings.len());
+    chosen.truncate(most);
+    let discs: Vec<RingFit> = chosen
         .into_par_iter()
-        .filter(|&at| at >= rings.len())
         .filter_map(|at| measure_disc(frame, &outlines[at], sign, ratio, care))
         .collect();
     let mut all = rings;
@@ -90,10 +98,8 @@ fn first_to_measure(board: &Board, outers: &[Ellipse]) -> Vec<usize> {
         Vec::new()
     } else {
         let spacing = board.pitch_m() / board.outer_radius_m();
-        let lattices = lattices(outers, spacing).into_iter();
-        lattices
-            .flat_map(|lattice| lattice.members.into_values())
-            .collect()
+        let least = (LEAST_IN_LATTICE * board.ring_count() as f64) as usize;
+        walks(outers, spacing, least).concat()
     };
     let mut chosen = vec![false; outers.len()];
     order.iter().for_each(|&at| chosen[at] = true);

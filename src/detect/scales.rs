@@ -1,14 +1,15 @@
 //! A frame at all its scales, each computed when it is first asked for: pictures, what stands out in them, and the rings seen there.
+//! Pictures and what stands out are the same for dark rings and for light ones.
 
 use super::band_pass::BandPass;
-use super::candidates::{candidates, disc_candidates};
+use super::candidates::{Seen, candidates, disc_candidates};
 use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::{Frame, Level, Pixels, Plane, half, half_of_frame, quarter_of_frame};
 
 /// Levels whose shorter side is below this hold no ring that a lower level has not shown, px.
 const LEAST_SIDE_PX: usize = 24;
 
-/// The levels of one frame, for dark or for light rings.
+/// The levels of one frame, looked at for dark or for light rings.
 pub(super) struct Scales<'a> {
     pub(super) frame: &'a Frame,
     /// 1 for dark rings, -1 for light ones.
@@ -22,7 +23,8 @@ pub(super) struct Scales<'a> {
 struct Scale {
     picture: Option<Plane<f32>>,
     band: Option<BandPass>,
-    rings: Option<Vec<RingEllipses>>,
+    /// Dark ones and light ones.
+    rings: [Option<Vec<RingEllipses>>; 2],
 }
 
 impl<'a> Scales<'a> {
@@ -38,6 +40,11 @@ impl<'a> Scales<'a> {
         }
     }
 
+    /// Looks for dark rings (1) or for light ones (-1) from now on.
+    pub(super) fn turn_to(&mut self, sign: f64) {
+        self.sign = sign;
+    }
+
     /// How many levels there are.
     pub(super) fn count(&self) -> usize {
         self.levels.len()
@@ -45,12 +52,15 @@ impl<'a> Scales<'a> {
 
     /// Candidates for rings at a level, in frame pixels.
     pub(super) fn rings(&mut self, level: usize) -> &[RingEllipses] {
-        if self.levels[level].rings.is_none() {
+        let which = usize::from(self.sign < 0.0);
+        if self.levels[level].rings[which].is_none() {
             let ratio = self.ratio;
-            let found = self.see(level, |band, level| candidates(band, level, ratio));
-            self.levels[level].rings = Some(found);
+            let found = self.see(level, |seen, level| candidates(seen, level, ratio));
+            self.levels[level].rings[which] = Some(found);
         }
-        self.levels[level].rings.as_deref().unwrap_or_default()
+        self.levels[level].rings[which]
+            .as_deref()
+            .unwrap_or_default()
     }
 
     /// Outlines at a level of discs that may be rings whose inner disc has drowned, in frame pixels.
@@ -58,22 +68,24 @@ impl<'a> Scales<'a> {
         self.see(level, disc_candidates)
     }
 
-    fn see<C>(&mut self, level: usize, find: impl Fn(&BandPass, Level) -> Vec<C>) -> Vec<C> {
+    fn see<C>(&mut self, level: usize, find: impl Fn(Seen, Level) -> Vec<C>) -> Vec<C> {
         if self.levels[level].band.is_none() {
             self.levels[level].band = self.band(level);
         }
+        let sign = self.sign as f32;
         let band = self.levels[level].band.as_ref();
-        band.map_or_else(Vec::new, |band| find(band, Level(level as u32)))
+        band.map_or_else(Vec::new, |band| {
+            find(Seen { band, sign }, Level(level as u32))
+        })
     }
 
     fn band(&mut self, level: usize) -> Option<BandPass> {
-        let sign = self.sign as f32;
         if level > 0 {
-            return Some(BandPass::of(self.picture(level)?, sign));
+            return Some(BandPass::of(self.picture(level)?));
         }
         Some(match &self.frame.pixels {
-            Pixels::U8(plane) => BandPass::of(plane, sign),
-            Pixels::U16(plane) => BandPass::of(plane, sign),
+            Pixels::U8(plane) => BandPass::of(plane),
+            Pixels::U16(plane) => BandPass::of(plane),
         })
     }
 

@@ -17,6 +17,9 @@ use rayon::prelude::*;
 /// Fraction of the board's rings (marks not among them) that have to show before they are measured.
 const LEAST_SHOWN: f64 = 0.75;
 
+/// Fraction of these that a walk from ring to ring finds at least: what it missed is added where the others expect it.
+const LEAST_WALKED: f64 = 0.33;
+
 /// The board, where all of its rings are found among those that a coarse level shows.
 pub(super) fn find_whole(
     scales: &mut Scales,
@@ -51,9 +54,9 @@ pub(super) fn find_whole(
 fn whole_lattice(board: &Board, spots: &[Vec<RingEllipses>]) -> Option<Vec<usize>> {
     let outers: Vec<Ellipse> = spots.iter().map(|spot| spot[0].outer).collect();
     let spacing = board.pitch_m() / board.outer_radius_m();
-    let found = lattices(&outers, spacing);
-    let lattice: &Lattice = found.first()?;
     let least = LEAST_SHOWN * (board.ring_count() - board.marks().len()) as f64;
+    let found = lattices(&outers, spacing, (LEAST_WALKED * least) as usize);
+    let lattice: &Lattice = found.first()?;
     let ((left, right), (top, bottom)) = extent(lattice.members.keys().copied());
     let seen = ((bottom - top + 1) as usize, (right - left + 1) as usize);
     let (rows, columns) = (usize::from(board.rows()), usize::from(board.columns()));

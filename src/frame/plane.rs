@@ -1,5 +1,6 @@
 //! A rectangle of pixels of one type, rows contiguous and without padding.
 
+use super::widest;
 use nalgebra::{Point2, Vector2};
 
 /// A grey value: what it is as a fraction of full scale.
@@ -108,7 +109,8 @@ impl<T: Pixel> Plane<T> {
         if !(x >= 0.0 && y >= 0.0 && x <= x_last as f64 && y <= y_last as f64) {
             return None;
         }
-        let (x0, y0) = (x as usize, y as usize);
+        // the way by i32 takes half as long as straight to usize
+        let (x0, y0) = (x as i32 as usize, y as i32 as usize);
         let (x1, y1) = ((x0 + 1).min(x_last), (y0 + 1).min(y_last));
         let (fx, fy) = ((x - x0 as f64) as f32, (y - y0 as f64) as f32);
         let top = self.at(x0, y0).unit() * (1.0 - fx) + self.at(x1, y0).unit() * fx;
@@ -134,24 +136,73 @@ impl<T: Pixel> Plane<T> {
         } else {
             (0..count).find(|&i| !holds(i)).unwrap_or(count)
         };
-        out.extend((0..count).map(|i| {
-            let p = at(i);
-            let (x, y) = (
-                (p.x as usize).min(self.width - 2),
-                (p.y as usize).min(self.height - 2),
-            );
-            let (fx, fy) = ((p.x - x as f64) as f32, (p.y - y as f64) as f32);
-            let first = y * self.width + x;
-            let top = &self.data[first..first + 2];
-            let bottom = &self.data[first + self.width..first + self.width + 2];
-            let line = |pair: &[T]| {
-                let (left, right) = (pair[0].raw(), pair[1].raw());
-                left + (right - left) * fx
-            };
-            let (top, bottom) = (line(top), line(bottom));
-            (top + (bottom - top) * fy) * T::UNIT
-        }));
+        let ends = [at(0), at(count.saturating_sub(1))];
+        let first = |a: f64, b: f64, size: usize| (a.min(b).max(0.0) as usize).min(size - 2);
+        let corner = (
+            first(ends[0].x, ends[1].x, self.width),
+            first(ends[0].y, ends[1].y, self.height),
+        );
+        let from = origin - Vector2::new(corner.0 as f64, corner.1 as f64);
+        let mut done = 0;
+        while done < count {
+            let part = TOGETHER.min(count - done);
+            let begin = from + step * done as f64;
+            self.part_along(corner, (begin, step), &mut [0.0; TOGETHER][..part], out);
+            done += part;
+        }
     }
+
+    /// Up to [`TOGETHER`] of them, by places relative to a corner, which are small enough for f32. What has no need of the pixels is done
+    /// for all of them before and after.
+    fn part_along(
+        &self,
+        corner: (usize, usize),
+        (begin, step): (Point2<f64>, Vector2<f64>),
+        room: &mut [f32],
+        out: &mut Vec<f32>,
+    ) {
+        let last = (self.width - 2 - corner.0, self.height - 2 - corner.1);
+        let first = corner.1 * self.width + corner.0;
+        widest(
+            #[inline(always)]
+            || {
+                let (x, fx) = split((begin.x as f32, step.x as f32), last.0);
+                let (y, fy) = split((begin.y as f32, step.y as f32), last.1);
+                let mut corners = [[0.0_f32; TOGETHER]; 4];
+                for i in 0..room.len().min(TOGETHER) {
+                    let at = first + y[i] as usize * self.width + x[i] as usize;
+                    let (top, bottom) = (&self.data[at..at + 2], &self.data[at + self.width..]);
+                    corners[0][i] = top[0].raw();
+                    corners[1][i] = top[1].raw();
+                    corners[2][i] = bottom[0].raw();
+                    corners[3][i] = bottom[1].raw();
+                }
+                let [a, b, c, d] = &corners;
+                for (i, out) in room.iter_mut().enumerate().take(TOGETHER) {
+                    let (top, bottom) =
+                        (a[i] + (b[i] - a[i]) * fx[i], c[i] + (d[i] - c[i]) * fx[i]);
+                    *out = (top + (bottom - top) * fy[i]) * T::UNIT;
+                }
+            },
+        );
+        out.extend_from_slice(room);
+    }
+}
+
+/// Places along a line that are computed together.
+const TOGETHER: usize = 16;
+
+/// Whole and broken part of `begin`, `begin + step` and so on, the whole one from 0 to `last`.
+#[inline(always)]
+fn split((begin, step): (f32, f32), last: usize) -> ([i32; TOGETHER], [f32; TOGETHER]) {
+    let (mut whole, mut part) = ([0; TOGETHER], [0.0; TOGETHER]);
+    let last = last as i32;
+    for i in 0..TOGETHER {
+        let place = begin + step * i as f32;
+        whole[i] = (place as i32).max(0).min(last);
+        part[i] = place - whole[i] as f32;
+    }
+    (whole, part)
 }
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 /// At most so many candidates are measured, or this many times the rings of the board: whatever a frame shows, that many are a
 /// matter of milliseconds.
-const MOST_MEASURED: usize = 160;
-const MOST_PER_RING: usize = 3;
+const MOST_MEASURED: usize = 192;
+const MOST_PER_RING: usize = 4;
 /// Discs among them that are measured at most, or this many times the rings of the board: they are looked at only where no board is seen.
 const MOST_DISCS: usize = 96;
 const MOST_DISCS_PER_RING: usize = 2;

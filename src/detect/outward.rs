@@ -16,6 +16,7 @@ const RAYS: usize = 32;
 const LEAST_RAYS: f64 = 0.7;
 /// How many tell how large a disc is.
 pub(super) const FEW_RAYS: usize = 16;
+/// How many tell what shape a ring has.
 pub(super) const ALL_RAYS: usize = RAYS;
 /// So many rays, evenly spread, are looked at first: fewer than this must not come to nothing, which most of texture's do.
 const FIRST_RAYS: (usize, usize) = (8, 5);

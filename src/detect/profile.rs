@@ -14,6 +14,8 @@ const STEP_PX: (f64, f64) = (0.25, 2.0);
 const SMOOTHING: f64 = 0.1;
 /// How far beyond the outer edge a ray goes: this many ring widths, and at most this fraction of the outer radius.
 const BEYOND: (f64, f64) = (1.0, 0.45);
+/// Room for so many rays is made at first.
+const RESERVED: usize = 64;
 /// Variance that pixel integration (1/12) and bilinear interpolation (1/6) add to an edge, px^2.
 const SAMPLING_VARIANCE_PX2: f64 = 1.0 / 12.0 + 1.0 / 6.0;
 
@@ -124,6 +126,11 @@ impl Rays {
         let beyond = (BEYOND.0 * width).min(BEYOND.1 * outer_px).max(2.0);
         let count = ((outer_px + beyond) / step_px) as usize + 1;
         let first = self.raw.len();
+        if first == 0 {
+            // rays of one ring are about as long
+            self.raw.reserve(RESERVED * count);
+            self.values.reserve(RESERVED * count);
+        }
         picture.along(origin, direction * step_px, count, &mut self.raw);
         let index = |radius: f64| (radius / step_px) as usize;
         if self.raw.len() - first < index(outer_px + 0.5 * beyond) + 2 {

@@ -1,6 +1,7 @@
 //! A first solution for an ellipse where outliers in plenty draw that of all points to them.
 
 use super::ellipse_fit::{NORMAL, robust_scale, sampson};
+use crate::frame::widest;
 use nalgebra::{Point2, SVector};
 
 /// Subsets of five points that are tried: with a third of the points elsewhere, one in eight is good.
@@ -16,6 +17,7 @@ pub(super) fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
         state = state * 48_271 % 2_147_483_647;
         unit[state as usize % unit.len()]
     };
+    let columns = Columns::of(unit);
     let mut room = Vec::new();
     let mut residuals = Vec::with_capacity(unit.len());
     let mut best: Option<(f64, SVector<f64, 5>)> = None;
@@ -23,7 +25,7 @@ pub(super) fn least_median(unit: &[Point2<f64>]) -> Option<SVector<f64, 5>> {
         let Some(conic) = through([pick(), pick(), pick(), pick(), pick()]) else {
             continue;
         };
-        if best.is_some_and(|(least, _)| !half_within(unit, &conic, least)) {
+        if best.is_some_and(|(least, _)| !columns.half_within(&conic, least)) {
             continue;
         }
         residuals.clear();
@@ -68,23 +70,39 @@ fn through(points: [Point2<f64>; 5]) -> Option<SVector<f64, 5>> {
     (conic[0] * conic[2] > conic[1] * conic[1]).then_some(conic)
 }
 
-/// Whether the median distance to a curve is less than that of a scale: most curves are far from so many points that the first few dozen
-/// tell.
-fn half_within(unit: &[Point2<f64>], conic: &SVector<f64, 5>, scale: f64) -> bool {
-    let most = (scale / NORMAL).powi(2);
-    let mut may_lie_off = unit.len() - 1 - unit.len() / 2;
-    unit.iter().all(|p| {
-        let (gx, gy) = (
-            conic[0] * p.x + conic[1] * p.y + conic[3],
-            conic[1] * p.x + conic[2] * p.y + conic[4],
+/// Coordinates of many points, each by themselves, so that many are computed at a time.
+struct Columns {
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl Columns {
+    fn of(points: &[Point2<f64>]) -> Self {
+        Self {
+            x: points.iter().map(|p| p.x).collect(),
+            y: points.iter().map(|p| p.y).collect(),
+        }
+    }
+
+    /// Whether the median distance to a curve is less than that of a scale.
+    fn half_within(&self, conic: &SVector<f64, 5>, scale: f64) -> bool {
+        let [xx, xy, yy, x1, y1] = [conic[0], conic[1], conic[2], conic[3], conic[4]];
+        // the distance is F over the length of its gradient; compared squared, it needs neither root nor division
+        let most = 4.0 * (scale / NORMAL).powi(2);
+        let within = widest(
+            #[inline(always)]
+            || {
+                let mut within = 0_u64;
+                for (&x, &y) in self.x.iter().zip(&self.y) {
+                    let (gx, gy) = (xx * x + xy * y + x1, xy * x + yy * y + y1);
+                    let f = gx * x + gy * y + x1 * x + y1 * y - 1.0;
+                    within += u64::from(f * f < most * (gx * gx + gy * gy));
+                }
+                within
+            },
         );
-        let f = gx * p.x + gy * p.y + conic[3] * p.x + conic[4] * p.y - 1.0;
-        // the distance is f over twice the gradient; compared squared, it needs neither root nor division
-        let off = f * f >= 4.0 * most * (gx * gx + gy * gy);
-        let goes_on = !off || may_lie_off > 0;
-        may_lie_off -= usize::from(off && goes_on);
-        goes_on
-    })
+        within as usize > self.x.len() / 2
+    }
 }
 
 #[cfg(test)]
@@ -111,7 +129,8 @@ mod tests {
             .collect();
         let residuals: Vec<(f64, f64)> = points.iter().map(|p| sampson(&conic, p)).collect();
         let median = robust_scale(&residuals, &mut Vec::new());
-        assert!(half_within(&points, &conic, 1.001 * median));
-        assert!(!half_within(&points, &conic, 0.999 * median));
+        let columns = Columns::of(&points);
+        assert!(columns.half_within(&conic, 1.001 * median));
+        assert!(!columns.half_within(&conic, 0.999 * median));
     }
 }

@@ -171,11 +171,11 @@ impl<T: Pixel> Plane<T> {
                 let mut corners = [[0.0_f32; TOGETHER]; 4];
                 for i in 0..room.len().min(TOGETHER) {
                     let at = first + y[i] as usize * self.width + x[i] as usize;
-                    let (top, bottom) = (&self.data[at..at + 2], &self.data[at + self.width..]);
-                    corners[0][i] = top[0].raw();
-                    corners[1][i] = top[1].raw();
-                    corners[2][i] = bottom[0].raw();
-                    corners[3][i] = bottom[1].raw();
+                    let rows = &self.data[at..][..self.width + 2];
+                    corners[0][i] = rows[0].raw();
+                    corners[1][i] = rows[1].raw();
+                    corners[2][i] = rows[self.width].raw();
+                    corners[3][i] = rows[self.width + 1].raw();
                 }
                 let [a, b, c, d] = &corners;
                 for (i, out) in room.iter_mut().enumerate().take(TOGETHER) {

@@ -77,7 +77,7 @@ impl<E: BlurredEdge> WithSimd for Draw<'_, E> {
                 S::as_mut_simd_f32s(row).0
             });
             for (v, out) in values.iter_mut().enumerate() {
-                let way = circle.way(circle.from_centre(columns(simd, v), row));
+                let way = circle.way(circle.about_centre(columns(simd, v), row));
                 let sum = Floats::new(simd, *out);
                 if way.long.smallest() > LONGER * reach {
                     continue;

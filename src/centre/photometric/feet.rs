@@ -73,9 +73,9 @@ impl Circle {
         row((self.middle - reach).floor())..row((self.middle + reach).ceil() + 1.0)
     }
 
-    /// Pixels of the grid about the ring's centre.
+    /// A row's pixels, about the ring's centre.
     #[inline(always)]
-    pub(super) fn from_centre<T: Real>(&self, column: T, row: usize) -> [T; 2] {
+    pub(super) fn about_centre<T: Real>(&self, column: T, row: usize) -> [T; 2] {
         let y = row as f32 - self.centre[1];
         [column - self.centre[0], column.like(y)]
     }

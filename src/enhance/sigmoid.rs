@@ -30,7 +30,8 @@ impl Sigmoid {
             0.0
         };
         let (low, high) = (logistic(-STEEPNESS), logistic(STEEPNESS));
-        v1 + (v2 - v1) * (logistic(STEEPNESS * place) - low) / (high - low)
+        // the quotient first: it is exactly one at the upper end
+        v1 + (v2 - v1) * ((logistic(STEEPNESS * place) - low) / (high - low))
     }
 }
 

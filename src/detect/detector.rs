@@ -91,7 +91,7 @@ impl Detector {
             Polarity::Auto => &[1.0, -1.0],
         };
         if self.board.is_single() {
-            return best(signs, &self.board, |sign| {
+            return self.best(signs, |sign| {
                 find_single(frame, &self.board, &self.options, sign)
             });
         }
@@ -107,7 +107,7 @@ impl Detector {
             }
         }
         let mut grids = grids.into_iter();
-        best(signs, &self.board, |sign| {
+        self.best(signs, |sign| {
             if let Some(found) = grids.next().flatten() {
                 return found;
             }
@@ -115,6 +115,24 @@ impl Detector {
             let grid = self.search(&mut scales, Care::of(self.options.estimator))?;
             self.measured(frame, grid, sign)
         })
+    }
+
+    /// What is found for the sign for which more rings speak: the first one's where these are all of the board's, or as many.
+    fn best(
+        &self,
+        signs: &[f64],
+        mut find: impl FnMut(f64) -> Result<Detection, Miss>,
+    ) -> Result<Detection, Miss> {
+        let first = find(signs[0]);
+        let Some(&other) = signs.get(1).filter(|_| !self.is_whole(&first)) else {
+            return first;
+        };
+        let second = find(other);
+        if evidence(&second) > evidence(&first) {
+            second
+        } else {
+            first
+        }
     }
 
     /// Whether every ring of the board speaks for a detection.
@@ -161,27 +179,6 @@ impl Detector {
             let all = add_drowned(scales, &self.board, rings, care);
             find_grid(frame, &self.board, &all, sign, &self.options)
         })
-    }
-}
-
-/// What is found for the sign for which more rings speak: the first one's where these are all of the board's, or as many.
-fn best(
-    signs: &[f64],
-    board: &Board,
-    mut find: impl FnMut(f64) -> Result<Detection, Miss>,
-) -> Result<Detection, Miss> {
-    let first = find(signs[0]);
-    let Some(&other) = signs.get(1) else {
-        return first;
-    };
-    if evidence(&first) == board.ring_count() {
-        return first;
-    }
-    let second = find(other);
-    if evidence(&second) > evidence(&first) {
-        second
-    } else {
-        first
     }
 }
 

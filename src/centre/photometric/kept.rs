@@ -80,21 +80,22 @@ impl KeptWindow {
     /// Keeps a window.
     pub(super) fn of(window: &Window) -> Self {
         let (grid, stride) = (window.grid, window.grid.stride());
+        // half more, cut off: the nearest step
+        let steps = |value: f32| (value * STEPS + 0.5).clamp(0.0, f32::from(MASKED - 1)) as u16;
         let mut light = Vec::with_capacity(grid.width * grid.height);
         for row in 0..grid.height {
             let span = row * stride..row * stride + grid.width;
             let pixels = window.values[span.clone()]
                 .iter()
                 .zip(&window.weights[span]);
-            light.extend(pixels.map(|(value, weight)| {
-                // half more, cut off: the nearest step
-                let steps = (value * STEPS + 0.5).clamp(0.0, f32::from(MASKED - 1)) as u16;
-                if *weight > 0.0 { steps } else { MASKED }
-            }));
+            light.extend(pixels.map(
+                |(value, weight)| {
+                    if *weight > 0.0 { steps(*value) } else { MASKED }
+                },
+            ));
         }
         for &(index, _) in &window.censored {
-            let steps = (window.values[index] * STEPS + 0.5).clamp(0.0, f32::from(MASKED - 1));
-            light[index / stride * grid.width + index % stride] = steps as u16;
+            light[index / stride * grid.width + index % stride] = steps(window.values[index]);
         }
         let censored = window.censored.iter().filter_map(|&(index, end)| {
             let i = index / stride * grid.width + index % stride;

@@ -158,6 +158,12 @@ impl<S: Simd> Floats<S> {
         Self { simd, values }
     }
 
+    /// One vector of a row.
+    #[inline(always)]
+    pub(super) fn of(simd: S, row: &[f32], vector: usize) -> Self {
+        Self::new(simd, S::as_simd_f32s(row).0[vector])
+    }
+
     /// The same number everywhere.
     #[inline(always)]
     pub(super) fn all(simd: S, value: f32) -> Self {

@@ -182,13 +182,13 @@ impl WithSimd for Light<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let all = |plane: &'_ [f32], v: usize| Floats::new(simd, S::as_simd_f32s(plane).0[v]);
+        let read = |plane: &[f32], v: usize| Floats::of(simd, plane, v);
         for (v, out) in S::as_mut_simd_f32s(self.out).0.iter_mut().enumerate() {
-            let circles = [all(self.circles[0], v), all(self.circles[1], v)];
-            let missing = self.missing.map(|missing| all(missing, v));
+            let circles = [read(self.circles[0], v), read(self.circles[1], v)];
+            let missing = self.missing.map(|missing| read(missing, v));
             let light = self.lit.flat(circles, missing) * self.lit.shade(columns(simd, v));
             *out = match self.shown {
-                Some([values, weights]) => (all(weights, v) * (all(values, v) - light)).values,
+                Some([values, weights]) => (read(weights, v) * (read(values, v) - light)).values,
                 None => light.values,
             };
         }
@@ -212,7 +212,7 @@ impl WithSimd for Derivatives<'_> {
         const _: () = assert!(BLUR == 7 && SHEET == 13);
         let stride = self.rows.stride;
         let span = self.row * stride..(self.row + 1) * stride;
-        let read = |plane: &'_ [f32], v: usize| Floats::new(simd, S::as_simd_f32s(plane).0[v]);
+        let read = |plane: &[f32], v: usize| Floats::of(simd, plane, v);
         let [outer, inner] =
             [0, 1].map(|circle: usize| &self.coverage.circles[circle][span.clone()]);
         let changes = self.coverage.changes.each_ref();

@@ -21,6 +21,7 @@ use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
 use super::round::out_of_round;
+use super::unbent::unbent;
 use super::under::Under;
 use super::uneven::even_out;
 use super::usual::{MOST_IF_GIVEN, Usual};
@@ -33,8 +34,8 @@ use rayon::prelude::*;
 /// Rounds of fits while neighbours' skirts are still moving; after the first two, all rings step together before each.
 const ROUNDS: usize = 6;
 
-/// What a lens's bends move a blurred ring's fit by is once to twice what they move its curves by.
-const BENT_MORE: f64 = 1.5;
+/// Part of what a lens's bends move the curves of a ring by that may be left in its centre: most of it is taken off (`unbent`).
+const BENT_LEFT: f64 = 0.3;
 
 /// A ring of a board as it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -162,7 +163,14 @@ fn share(
     let (fitted, places): (Vec<RingFitted>, Vec<_>) = measured
         .filter_map(|(ring, place)| Some((ring.fitted.ok()?, place.plane_m)))
         .unzip();
-    share_perspective(&fitted, &places, board.outer_radius_m, camera)
+    let share =
+        |fitted: &[RingFitted]| share_perspective(fitted, &places, board.outer_radius_m, camera);
+    let (centres, map) = share(&fitted);
+    let size = (board.outer_radius_m, board.ratio);
+    let straight = map
+        .as_ref()
+        .and_then(|map| unbent(&fitted, &places, map, size));
+    straight.map_or((centres, map), |straight| share(&straight))
 }
 
 /// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
@@ -187,9 +195,8 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
         let own = (fitted.model.shape.centre, fitted.centre_covariance());
         let next = if alone { Some(own) } else { shared.next() };
         let (centre, mut covariance) = next.unwrap_or(own);
-        // a camera takes it off; who has none has to reckon with it
         let moved = map.and_then(|map| map.bent(place.plane_m, board.outer_radius_m, board.ratio));
-        let moved = moved.unwrap_or_default() * BENT_MORE;
+        let moved = moved.unwrap_or_default() * BENT_LEFT;
         covariance += moved * moved.transpose();
         let window = ring.window.as_ref().filter(|_| keep).map(KeptWindow::of);
         Ok(RingMeasured {

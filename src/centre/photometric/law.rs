@@ -2,16 +2,17 @@
 //!
 //! A ring alone has to find its own perspective q, and pays for it with half the certainty of its centre: the two are
 //! strongly correlated. But all rings share one plane and one lens, and the map through their centres (`lens_map`) knows q
-//! far better. Where the rings' own q say that the map is not quite right (a lens it does not describe, a bent board), a polynomial
+//! far better (`through`). Where the rings' own q say that the map is not quite right (a lens it does not describe, a bent board), a polynomial
 //! over the frame corrects it, of the degree that explains them best (Akaike 1974). Each ring's centre is then its own
 //! measurement given the better q: `c + C_cq C_qq^-1 (q_board - q)`, the mean of the conditional normal distribution.
 //! Centres are not drawn to one another or onto a plane.
 
 use super::fitted::RingFitted;
-use super::lens_map::{Anchor, LensMap};
+use super::lens_map::LensMap;
+use super::sighting::{BoardPerspective, Sighting};
+use super::through::Through;
 use crate::camera::Camera;
 use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector2};
-use rayon::prelude::*;
 
 /// Rings for each coefficient of the polynomial, at least.
 const RINGS_PER_COEFFICIENT: usize = 3;
@@ -19,11 +20,6 @@ const RINGS_PER_COEFFICIENT: usize = 3;
 const WORTH: f64 = 4.0;
 /// A ring whose own perspective is this many standard deviations off the board's is left as it is.
 const OUTLIER: f64 = 5.0;
-/// The map is drawn through the better centres so often.
-const ROUNDS: usize = 2;
-
-/// A perspective and its covariance, px^-1 and px^-2.
-pub(super) type Perspective = (Vector2<f64>, Matrix2<f64>);
 
 /// A centre and its covariance, px and px^2.
 pub type CentreAndCovariance = (Point2<f64>, Matrix2<f64>);
@@ -36,39 +32,25 @@ pub(super) fn share_perspective(
     outer_radius_m: f64,
     camera: &Camera,
 ) -> (Vec<CentreAndCovariance>, Option<LensMap>) {
-    let mut map = None;
-    let mut centres: Vec<CentreAndCovariance> = rings
-        .iter()
-        .map(|r| (r.model.shape.centre, r.centre_covariance()))
-        .collect();
-    for _ in 0..ROUNDS {
-        let anchors: Vec<Anchor> = centres
-            .iter()
-            .zip(plane_m)
-            .map(|((at, covariance), plane_m)| Anchor {
-                plane_m: *plane_m,
-                at: *at,
-                variance: 0.5 * covariance.trace(),
-            })
-            .collect();
-        let known = LensMap::through(&anchors, camera).and_then(|certain| {
-            map = Some(certain.map);
-            let perspectives = plane_m
-                .par_iter()
-                .map(|place| certain.perspective(*place, outer_radius_m));
-            perspectives.collect::<Option<Vec<Perspective>>>()
-        });
-        let Some(known) = known else { break };
-        let Some(law) = Correction::of(rings, &known) else {
-            break;
-        };
-        centres = rings
-            .iter()
-            .zip(&known)
-            .map(|(ring, q)| law.apply(ring, q))
-            .collect();
-    }
-    (centres, map)
+    let own = || rings.iter().map(own_centre).collect();
+    let pairs = rings.iter().zip(plane_m);
+    let sightings = pairs.map(|(ring, plane_m)| Sighting::of(ring, *plane_m));
+    let Some(sightings) = sightings.collect::<Option<Vec<_>>>() else {
+        return (own(), None);
+    };
+    let Some(through) = Through::rings(&sightings, outer_radius_m, camera) else {
+        return (own(), None);
+    };
+    let said = &through.perspectives;
+    let centres = Correction::of(rings, said).map(|law| {
+        let pairs = rings.iter().zip(said);
+        pairs.map(|(ring, said)| law.apply(ring, said)).collect()
+    });
+    (centres.unwrap_or_else(own), Some(through.map))
+}
+
+fn own_centre(ring: &RingFitted) -> CentreAndCovariance {
+    (ring.model.shape.centre, ring.centre_covariance())
 }
 
 /// A polynomial over the frame that is added to the map's perspective.
@@ -84,7 +66,7 @@ struct Correction {
 
 impl Correction {
     /// The polynomial that explains the rings' own perspectives best beside the `known` ones.
-    fn of(rings: &[RingFitted], known: &[Perspective]) -> Option<Self> {
+    fn of(rings: &[RingFitted], known: &[BoardPerspective]) -> Option<Self> {
         let count = rings.len() as f64;
         let centre = |r: &RingFitted| r.model.shape.centre;
         let sum = rings.iter().map(|r| centre(r).coords).sum::<Vector2<f64>>();
@@ -111,14 +93,14 @@ impl Correction {
     }
 
     /// The correction with its coefficients, and what they cost: chi-square and the worth of the coefficients.
-    fn fitted(mut self, rings: &[RingFitted], known: &[Perspective]) -> Option<(f64, Self)> {
+    fn fitted(mut self, rings: &[RingFitted], known: &[BoardPerspective]) -> Option<(f64, Self)> {
         let size = 2 * self.terms;
         let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
         let mut total = 0.0;
-        for (ring, (known, _)) in rings.iter().zip(known) {
+        for (ring, known) in rings.iter().zip(known) {
             let row = self.row(&ring.model.shape.centre);
             let weight = perspective_covariance(ring).try_inverse()?;
-            let missing = ring.model.shape.perspective - known;
+            let missing = ring.model.shape.perspective - known.perspective;
             let square = missing.dot(&(weight * missing));
             // a ring that is none of this board must not choose the degree
             let trust = (OUTLIER * OUTLIER / square.max(f64::MIN_POSITIVE)).min(1.0);
@@ -160,16 +142,17 @@ impl Correction {
         row
     }
 
-    fn apply(&self, ring: &RingFitted, (known, known_to): &Perspective) -> CentreAndCovariance {
-        let (centre, own) = (ring.model.shape.centre, ring.centre_covariance());
-        let row = self.row(&centre);
+    fn apply(&self, ring: &RingFitted, known: &BoardPerspective) -> CentreAndCovariance {
+        let row = self.row(&ring.model.shape.centre);
         let correction = &row * &self.coefficients;
-        let board = known + Vector2::new(correction[0], correction[1]);
         let uncertain = &row * &self.covariance * row.transpose();
-        let uncertain = known_to + Matrix2::from_fn(|i, j| uncertain[(i, j)]);
-        let given = given_perspective(ring, &(board, uncertain));
-        let believed = given.filter(Given::is_near);
-        believed.map_or((centre, own), |given| given.centre)
+        let board = BoardPerspective {
+            perspective: known.perspective + Vector2::new(correction[0], correction[1]),
+            covariance: known.covariance + Matrix2::from_fn(|i, j| uncertain[(i, j)]),
+            ..*known
+        };
+        let given = given_perspective(ring, &board).filter(Given::is_near);
+        given.map_or_else(|| own_centre(ring), |given| given.centre)
     }
 }
 
@@ -189,19 +172,16 @@ impl Given {
 }
 
 /// A ring's centre given that its perspective is this one; `None` where its own has no covariance.
-pub(super) fn given_perspective(
-    ring: &RingFitted,
-    (perspective, uncertain): &Perspective,
-) -> Option<Given> {
-    let inverse = perspective_covariance(ring).try_inverse()?;
-    let off = perspective - ring.model.shape.perspective;
-    let cross = ring.covariance.fixed_view::<2, 2>(0, 5).into_owned();
-    let gain = cross * inverse;
-    let known = ring.centre_covariance() - gain * cross.transpose();
-    let covariance = known + gain * uncertain * gain.transpose();
+pub(super) fn given_perspective(ring: &RingFitted, board: &BoardPerspective) -> Option<Given> {
+    let sighting = Sighting::of(ring, Point2::origin())?;
+    let (gain, with_ring) = (&sighting.gain, board.with_ring * sighting.gain.transpose());
+    let moved = gain * board.covariance * gain.transpose() + with_ring + with_ring.transpose();
     Some(Given {
-        centre: (ring.model.shape.centre + gain * off, covariance),
-        off: off.dot(&(inverse * off)),
+        centre: (
+            sighting.centre_given(&board.perspective),
+            sighting.given + moved,
+        ),
+        off: sighting.contradicts(board)?,
     })
 }
 

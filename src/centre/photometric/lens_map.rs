@@ -2,7 +2,7 @@
 //! describes a `fan`.
 //!
 //! A ring knows little of its own perspective, but the centres of a board's rings lie so exactly that the second derivatives of
-//! the map through them are known far better. What a ring needs of the map is its shape there.
+//! the map through them (`through`) are known far better. What a ring needs of the map is its shape there.
 //!
 //! To second order the map is X -> c + J d + H[d, d] / 2, d in outer radii. Of H, a circle shows only what moves its outline as a
 //! perspective does: with K = J^-1 H the outline of radius a moves outwards by a^2 e.K[e, e] / 2 in direction e, whose part
@@ -12,146 +12,32 @@
 use super::bent::{bends, bent};
 use super::fan::Fan;
 use super::shape::Shape;
-use crate::camera::homography::{apply, fit_homography};
+use crate::camera::homography::apply;
 use crate::camera::{Camera, Distortion, Intrinsics, PlumbBob};
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Point2, Vector2};
+use nalgebra::{DVector, Matrix2, Matrix2xX, Matrix3, Point2, Vector2};
 
-/// Coefficients of the lens for so many rings: radial r^2; r^4 and two tangential; r^6.
-const RINGS_FOR: [(usize, usize); 3] = [(9, 1), (14, 4), (30, 5)];
-/// The lens moves the frame's corner by about this fraction of its distance at most (standard deviation of a prior).
-const LENS_PRIOR: f64 = 0.5;
-const STEPS: usize = 8;
-/// Converged where a step would gain less than this in the weighted sum of squares.
-const SETTLED: f64 = 1e-3;
-/// Centres count less from so many standard deviations off the map on (Huber 1964).
-const ROBUST: f64 = 3.0;
-const MOST_LENS: usize = 5;
-/// The squared length of two standard normal numbers has this median.
-const MEDIAN: f64 = 1.386_294_361_119_890_6;
-/// Centres that fit a map so badly want another lens: the fans that are tried then.
-const SUSPECT: f64 = 1.5;
-const FANS: [f64; 2] = [0.8, 1.6];
+/// Parameters of the lens: the coefficients, its axis in the frame and its pixels' shape.
+pub(super) const MOST_LENS: usize = 8;
 
 /// A homography to the camera's normalised coordinates, followed by the camera's lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LensMap {
-    homography: Matrix3<f64>,
-    camera: Camera,
+    pub(super) homography: Matrix3<f64>,
+    pub(super) camera: Camera,
     /// What comes before the lens.
-    fan: Fan,
-    /// How many of the lens's coefficients are free, in the order k1, k2, p1, p2, k3.
-    free: usize,
-}
-
-/// A map and the covariance of its free parameters: eight entries of the homography, then the lens.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Certain {
-    pub(super) map: LensMap,
-    covariance: DMatrix<f64>,
-}
-
-/// A centre that the map goes through: where on the board (m), where in the frame (px), how certain (px^2).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Anchor {
-    pub(super) plane_m: Point2<f64>,
-    pub(super) at: Point2<f64>,
-    pub(super) variance: f64,
+    pub(super) fan: Fan,
+    /// How many parameters of the lens are free, in the order of [`LensMap::lens`].
+    pub(super) free: usize,
 }
 
 impl LensMap {
-    /// Least squares through centres seen by a camera; `None` where they determine no plane. Of a [`blank`] camera the lens is found
-    /// too. What the centres lie beside the map by more than their noise makes it less certain.
-    pub(super) fn through(anchors: &[Anchor], camera: &Camera) -> Option<Certain> {
-        let mut best = Self::with_fan(anchors, camera, Fan::default());
-        let known = !camera.distortion.is_none();
-        let suspect = |(_, misfit): &(Certain, f64)| *misfit > SUSPECT;
-        if !known && best.as_ref().is_none_or(suspect) {
-            let others = FANS.map(|fan| Self::with_fan(anchors, camera, Fan(fan)));
-            for other in others.into_iter().flatten() {
-                if best.as_ref().is_none_or(|best| other.1 < best.1) {
-                    best = Some(other);
-                }
-            }
-        }
-        let (mut certain, misfit) = best?;
-        certain.covariance *= misfit.max(1.0);
-        Some(certain)
-    }
-
-    /// The same with a given fan, and how badly it fits ([`LensMap::misfit`]).
-    fn with_fan(anchors: &[Anchor], camera: &Camera, fan: Fan) -> Option<(Certain, f64)> {
-        let known = !camera.distortion.is_none();
-        let pairs = anchors
-            .iter()
-            .map(|a| Some((a.plane_m, fan.undo(&camera.unproject(&a.at)?)?)));
-        let homography = fit_homography(&pairs.collect::<Option<Vec<_>>>()?)?;
-        let enough = RINGS_FOR
-            .iter()
-            .rev()
-            .find(|(rings, _)| anchors.len() >= *rings && !known);
-        let mut map = Self {
-            homography: homography / homography[(2, 2)],
-            camera: *camera,
-            fan,
-            free: enough.map_or(0, |(_, coefficients)| *coefficients),
-        };
-        let mut settled = None;
-        for _ in 0..STEPS {
-            let (normal, right) = map.normal_equations(anchors)?;
-            let factor = normal.cholesky()?;
-            let step = factor.solve(&right);
-            map = map.moved(&step);
-            let gain = step.dot(&right);
-            settled = Some(factor);
-            if gain < SETTLED {
-                break;
-            }
-        }
-        let finite = map.lens().iter().all(|v| v.is_finite());
-        let certain = Certain {
-            covariance: settled.filter(|_| finite)?.inverse(),
-            map,
-        };
-        let misfit = map.misfit(anchors)?;
-        Some((certain, misfit))
-    }
-
-    /// The squared deviation of the centres from the map, in their variances: 1 where all is noise. By the median, for one ring that is none must
-    /// not say that the map is wrong.
-    fn misfit(&self, anchors: &[Anchor]) -> Option<f64> {
-        let square = |anchor: &Anchor| {
-            let missing = anchor.at - self.place(anchor.plane_m)?;
-            Some(missing.norm_squared() / anchor.variance)
-        };
-        let mut squares = anchors.iter().map(square).collect::<Option<Vec<f64>>>()?;
-        squares.sort_by(f64::total_cmp);
-        let measured = 2.0 * squares.len() as f64;
-        let deviations = (measured - (8 + self.free) as f64).max(1.0);
-        Some(squares.get(squares.len() / 2)? / MEDIAN * measured / deviations)
-    }
-
-    fn normal_equations(&self, anchors: &[Anchor]) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        let size = 8 + self.free;
-        let mut normal = DMatrix::zeros(size, size);
-        let mut right = DVector::zeros(size);
-        for anchor in anchors {
-            let missing = anchor.at - self.place(anchor.plane_m)?;
-            let deviations = (missing.norm_squared() / anchor.variance).sqrt();
-            let weight = (ROBUST / deviations.max(ROBUST)) / anchor.variance;
-            let rows = self.derivatives(anchor.plane_m)?;
-            normal.gemm_tr(weight, &rows, &rows, 1.0);
-            right.gemv_tr(weight, &rows, &missing, 1.0);
-        }
-        for k in 0..self.free {
-            let prior = LENS_PRIOR.powi(-2);
-            normal[(8 + k, 8 + k)] += prior;
-            right[8 + k] -= prior * self.lens()[k];
-        }
-        Some((normal, right))
+    /// Parameters that are free: the homography's first eight entries, then the lens.
+    pub(super) fn parameters(&self) -> usize {
+        8 + self.free
     }
 
     /// This map with its free parameters changed by a step.
-    fn moved(&self, step: &DVector<f64>) -> Self {
+    pub(super) fn moved(&self, step: &DVector<f64>) -> Self {
         let mut moved = *self;
         for k in 0..8 {
             moved.homography[(k / 3, k % 3)] += step[k];
@@ -160,19 +46,36 @@ impl LensMap {
         for k in 0..self.free {
             lens[k] += step[8 + k];
         }
-        let [k1, k2, p1, p2, k3] = lens;
         if self.free > 0 {
+            let [k1, k2, p1, p2, x, y, aspect, k3] = lens;
             moved.camera.distortion = PlumbBob { k1, k2, p1, p2, k3 }.into();
+            let (k, half) = (&mut moved.camera.intrinsics, self.camera.intrinsics.fx);
+            let middle = middle(&self.camera);
+            (k.cx, k.cy) = (middle.x + half * x, middle.y + half * y);
+            k.fy = half * (1.0 + aspect);
+            // without a lens its axis and the pixels' shape change nothing: the homography makes up for them
+            let [.., old_x, old_y, old_aspect, _] = self.lens();
+            let (wide, wider) = (1.0 + old_aspect, 1.0 + aspect);
+            let h = &mut moved.homography;
+            for column in 0..3 {
+                let depth = h[(2, column)];
+                h[(0, column)] -= (x - old_x) * depth;
+                h[(1, column)] = (h[(1, column)] * wide - (y - old_y) * depth) / wider;
+            }
         }
         moved
     }
 
-    fn lens(&self) -> [f64; MOST_LENS] {
+    /// k1, k2, p1, p2; the axis from the middle of the frame, in focal lengths; by how much fy is larger than fx; k3. (A map that takes the
+    /// middle for the axis is wrong by hundredths of a pixel in the corners.)
+    pub(super) fn lens(&self) -> [f64; MOST_LENS] {
         // a lens of another model is a known one, and nothing of it is free
-        match self.camera.distortion {
-            Distortion::PlumbBob(PlumbBob { k1, k2, p1, p2, k3 }) => [k1, k2, p1, p2, k3],
-            _ => [0.0; MOST_LENS],
-        }
+        let Distortion::PlumbBob(PlumbBob { k1, k2, p1, p2, k3 }) = self.camera.distortion else {
+            return [0.0; MOST_LENS];
+        };
+        let k = &self.camera.intrinsics;
+        let axis = (Point2::new(k.cx, k.cy) - middle(&self.camera)) / k.fx;
+        [k1, k2, p1, p2, axis.x, axis.y, k.fy / k.fx - 1.0, k3]
     }
 
     /// Where a place of the board (m) is seen, px.
@@ -182,7 +85,7 @@ impl LensMap {
     }
 
     /// Derivatives of a place by the homography's first eight entries and the lens, 2 rows.
-    fn derivatives(&self, plane_m: Point2<f64>) -> Option<DMatrix<f64>> {
+    pub(super) fn derivatives(&self, plane_m: Point2<f64>) -> Option<Matrix2xX<f64>> {
         let source = plane_m.to_homogeneous();
         let seen = self.homography * source;
         let ideal = apply(&self.homography, plane_m)?;
@@ -192,7 +95,7 @@ impl LensMap {
         let by_u = focal * self.camera.distortion.jacobian(&fanned) * self.fan.jacobian(&ideal);
         let (u, r2) = (fanned.coords, fanned.coords.norm_squared());
         let (x, y) = (u.x, u.y);
-        let mut out = DMatrix::zeros(2, 8 + self.free);
+        let mut out = Matrix2xX::zeros(self.parameters());
         for k in 0..3 {
             let (p, e) = (source[k] / seen.z, ideal.coords * (source[k] / seen.z));
             out.fixed_view_mut::<2, 1>(0, k)
@@ -208,11 +111,18 @@ impl LensMap {
             u * (r2 * r2),
             Vector2::new(2.0 * x * y, r2 + 2.0 * y * y),
             Vector2::new(r2 + 2.0 * x * x, 2.0 * x * y),
-            u * (r2 * r2 * r2),
         ];
-        for (k, column) in by_lens.iter().enumerate().take(self.free) {
-            let mut place = out.fixed_view_mut::<2, 1>(0, 8 + k);
-            place.copy_from(&(focal * column));
+        let by_lens = by_lens.map(|column| focal * column);
+        let seen = self.camera.distortion.distort(&fanned);
+        let by_camera = [
+            Vector2::new(k.fx, 0.0) - by_u.column(0),
+            Vector2::new(0.0, k.fx) - by_u.column(1) * (k.fx / k.fy),
+            Vector2::new(0.0, k.fx * seen.y) - by_u.column(1) * (ideal.y * k.fx / k.fy),
+            focal * u * (r2 * r2 * r2),
+        ];
+        let columns = by_lens.iter().chain(&by_camera);
+        for (k, column) in columns.enumerate().take(self.free) {
+            out.set_column(8 + k, column);
         }
         Some(out)
     }
@@ -238,28 +148,10 @@ impl LensMap {
     }
 }
 
-impl Certain {
-    /// The perspective of the ring of this outer radius (m) about a place of the board, px^-1, and its covariance.
-    pub(super) fn perspective(
-        &self,
-        plane_m: Point2<f64>,
-        radius_m: f64,
-    ) -> Option<(Vector2<f64>, Matrix2<f64>)> {
-        let here = self.map.ring(plane_m, radius_m)?.perspective;
-        let size = 8 + self.map.free;
-        let mut rows = DMatrix::zeros(2, size);
-        let mut step = DVector::zeros(size);
-        for k in 0..size {
-            let h = 0.1 * self.covariance[(k, k)].sqrt();
-            step[k] = h;
-            let there = self.map.moved(&step).ring(plane_m, radius_m)?.perspective;
-            step[k] = 0.0;
-            rows.fixed_view_mut::<2, 1>(0, k)
-                .copy_from(&((there - here) / h));
-        }
-        let covariance = &rows * &self.covariance * rows.transpose();
-        Some((here, Matrix2::from_fn(|i, j| covariance[(i, j)])))
-    }
+/// The middle of a camera's frame.
+fn middle(camera: &Camera) -> Point2<f64> {
+    let side = |pixels: u32| 0.5 * (f64::from(pixels) - 1.0);
+    Point2::new(side(camera.width), side(camera.height))
 }
 
 /// A camera of which nothing is known but its frame's size: places are in half diagonals about the middle.

@@ -9,7 +9,6 @@ use super::bent::laid;
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
 use super::fit::{Given, Known};
-use super::kept::KeptRing;
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::rows::light;
@@ -61,16 +60,15 @@ pub(super) fn straighten(
     Some(())
 }
 
-/// The shape that a free fit finds of a bent ring whose pixels were not kept: `shape` is the ring without its bends. `None` where it
+/// The shape that a free fit finds of a bent ring of this light and blur: `shape` is the ring without its bends. `None` where it
 /// has no image.
 pub(super) fn found_of_bent(
-    kept: &KeptRing,
+    fitted: &RingModel,
     shape: &Shape,
     image: impl Image,
     ratio: f64,
     room: &mut Workspace,
 ) -> Option<Shape> {
-    let fitted = &kept.fitted.model;
     let mut window = Window::blank(grid_about(shape, &fitted.blur)?);
     let grid = window.grid;
     let model = RingModel {

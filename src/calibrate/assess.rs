@@ -9,7 +9,9 @@ mod refusal;
 pub use criterion::{Criterion, Rule};
 pub use refusal::{FramesRead, refused};
 
+use super::observability::DARK;
 use super::{CalibrateError, Calibration, Change, CrossValidation, LeftOut, MAP_CELLS, Range};
+use crate::camera::LensModel;
 use crate::session::{Coverage, View};
 use nalgebra::Point2;
 use std::fmt;
@@ -103,7 +105,8 @@ impl Facts {
     }
 }
 
-/// The part of the cells with a ray that a ring of a view that took part has touched.
+/// The part of the cells with a ray that a ring of a view that took part has touched. A fisheye's circle may be as small as it likes; of any
+/// other lens that has no rays for much of the frame, who knows whether the camera has none: there all cells count.
 fn coverage(calibration: &Calibration, views: &[View], map: &[Option<f64>]) -> f64 {
     let mut covered = Coverage::default();
     for (view, fit) in views.iter().zip(&calibration.views) {
@@ -111,7 +114,10 @@ fn coverage(calibration: &Calibration, views: &[View], map: &[Option<f64>]) -> f
             covered.add(view);
         }
     }
-    let lit = || (0..map.len()).filter(|cell| map[*cell].is_some());
+    let dark = map.iter().filter(|std| std.is_none()).count();
+    let folds = calibration.camera.model() != LensModel::Equidistant
+        && dark as f64 > DARK * map.len() as f64;
+    let lit = || (0..map.len()).filter(|cell| folds || map[*cell].is_some());
     let touched = lit().filter(|cell| covered.cell(cell / MAP_CELLS.0, cell % MAP_CELLS.0));
     touched.count() as f64 / lit().count().max(1) as f64
 }

@@ -20,7 +20,10 @@ const OPEN_LENS_PX: f64 = 20.0;
 const EXTRAPOLATED_PX: f64 = 2.0;
 const EXTRAPOLATED: f64 = 150.0;
 /// The part of the frame that may have no ray, as the corners beyond the image circle of a wide lens have none.
-const DARK: f64 = 0.25;
+pub(super) const DARK: f64 = 0.25;
+/// More of it may have none where rings were seen nearly as far out as the lens reaches: up to this fraction of that, inverted. What the
+/// polynomial of the lens does so near to rings is measured; farther out it is made up.
+const REACH: f64 = 4.0 / 3.0;
 /// Noise of a centre that is assumed at least, px.
 const LEAST_NOISE_PX: f64 = 0.01;
 /// Largest angle between the normals of the views below which they count as parallel, degrees. Distortion can tell the
@@ -100,26 +103,30 @@ pub(super) fn determined(
             return Err(CalibrateError::Undetermined { name, missing });
         }
     }
-    lens_told(calibration, inflation, noise_px)
+    lens_told(calibration, rings, (inflation, noise_px))
 }
 
 /// Refuses a lens that is left open somewhere in the frame.
 fn lens_told(
     calibration: &Calibration,
-    inflation: f64,
-    noise_px: f64,
+    rings: &[Vec<Observation>],
+    (inflation, noise_px): (f64, f64),
 ) -> Result<(), CalibrateError> {
     let map = calibration.projection_std_map(CELLS, Range::Infinity);
-    let dark = map.iter().filter(|std| std.is_none()).count();
+    let dark = (0..map.len()).filter(|cell| map[*cell].is_none());
+    let (dark, unseen) = dark.fold((0, 0), |(dark, unseen), cell| {
+        let made_up = folds_unseen(&calibration.camera, rings, cell);
+        (dark + 1, unseen + usize::from(made_up))
+    });
     let worst = map
         .iter()
         .enumerate()
         .filter_map(|(cell, std)| Some((cell, inflation * (*std)?)))
         .max_by(|a, b| a.1.total_cmp(&b.1));
-    let part = dark as f64 / map.len() as f64;
-    if part > DARK {
+    let part = |cells: usize| cells as f64 / map.len() as f64;
+    if part(unseen) > DARK {
         return Err(CalibrateError::LensFolds {
-            percent: 100.0 * part,
+            percent: 100.0 * part(dark),
         });
     }
     let extrapolated = EXTRAPOLATED_PX.max(EXTRAPOLATED * noise_px);
@@ -132,6 +139,18 @@ fn lens_told(
         }),
         None => Ok(()),
     }
+}
+
+/// Whether the lens still has rays well beyond the outermost ring on the way to a cell that it has none for.
+fn folds_unseen(camera: &Camera, rings: &[Vec<Observation>], cell: usize) -> bool {
+    let axis = Point2::new(camera.intrinsics.cx, camera.intrinsics.cy);
+    let counted = rings.iter().flatten().filter(|ring| ring.share > 0.0);
+    let outermost = counted
+        .map(|ring| (ring.pixel - axis).norm())
+        .fold(0.0, f64::max);
+    let way = middle(camera, cell) - axis;
+    let beyond = axis + way * (REACH * outermost / way.norm()).min(1.0);
+    camera.ray(&beyond).is_some()
 }
 
 /// The middle of a cell, px.

@@ -91,3 +91,49 @@ fn a_rational_lens_is_found_and_chosen_where_plumb_bob_does_not_do() {
     let (chosen, scores) = choose_model(&board(), &plain, &CalibrateOptions::default()).unwrap();
     assert_eq!(chosen, LensModel::PlumbBob, "{scores:?}");
 }
+
+/// Views before a lens that has rays for half of its frame, a circle of 422 px about the middle; the board's middle goes out to `reach_px`.
+fn before_a_fold(reach_px: f64, fill: f64) -> (Camera, Vec<View>) {
+    let mut camera = ordinary();
+    let lens = PlumbBob {
+        k1: -0.3,
+        ..PlumbBob::default()
+    };
+    camera.distortion = lens.into();
+    (camera.intrinsics.fx, camera.intrinsics.fy) = (600.0, 600.0);
+    (camera.intrinsics.cx, camera.intrinsics.cy) = (639.5, 479.5);
+    let poses: Vec<_> = (0..15)
+        .map(|i| {
+            let (direction, axis) = (2.4 * f64::from(i), 3.12 * f64::from(i) + 0.5);
+            let out = if i % 3 == 0 { 0.4 * reach_px } else { reach_px };
+            let pixel = [639.5 + out * direction.cos(), 479.5 + out * direction.sin()];
+            let tilt = if i % 2 == 0 { 0.55 } else { 0.35 };
+            let turn = [tilt * axis.cos(), tilt * axis.sin(), 0.2];
+            pose_at(&camera, &board(), pixel, fill, turn)
+        })
+        .collect();
+    (camera, views(&camera, &board(), &poses, 0.003, 3))
+}
+
+#[test]
+fn a_lens_that_folds_in_the_frame_is_found_where_rings_reach_the_fold_and_refused_where_it_is_made_up()
+ {
+    let plumb_bob = options(LensModel::PlumbBob);
+    // rings out to 390 px of 422
+    let (camera, views) = before_a_fold(230.0, 0.3);
+    let found = calibrate(&board(), &views, &plumb_bob).unwrap();
+    for (k, name) in camera.parameter_names().iter().enumerate() {
+        let z = (found.values()[k] - camera.parameters()[k]) / found.std(k);
+        assert!(z.abs() < 3.5, "{name}: {z} standard deviations");
+    }
+    // to 215 px only: what the lens does at 422 px nobody has seen
+    let (_, views) = before_a_fold(80.0, 0.2);
+    let refused = calibrate(&board(), &views, &plumb_bob).unwrap_err();
+    assert!(
+        matches!(
+            refused,
+            CalibrateError::LensFolds { .. } | CalibrateError::LensOpen { .. }
+        ),
+        "{refused}"
+    );
+}

@@ -3,6 +3,7 @@
 use super::detection::{FellBack, Measured, Ring};
 use super::detector::DetectOptions;
 use super::grid::Placed;
+use super::odd_ones::leave_out_odd_ones;
 use super::ring_fit::{Care, measure};
 use crate::board::Board;
 use crate::camera::homography::{apply, fit_homography};
@@ -146,6 +147,7 @@ fn photometric(
         }
     }
     rings.sort_by_key(|ring| (ring.row, ring.column));
+    leave_out_odd_ones(&mut rings);
     (rings, report)
 }
 

@@ -5,6 +5,7 @@ use super::detection::{Detection, Miss, Ring};
 use super::grid::{Grid, find_grid};
 use super::light::bad_light;
 use super::likeness::are_the_boards;
+use super::other_size::CLEAR;
 use super::outermost::sure_centres;
 use super::required::Required;
 use super::ring_fit::Care;
@@ -174,10 +175,11 @@ impl Detector {
     /// Looks at everything that may be a ring, at all scales.
     fn search(&self, scales: &mut Scales, care: Care) -> Result<Grid, Miss> {
         let (frame, sign) = (scales.frame, scales.sign);
+        let how = (&self.options, CLEAR);
         let rings = find_rings(scales, &self.board, care);
-        find_grid(frame, &self.board, &rings, sign, &self.options).or_else(|_| {
+        find_grid(frame, &self.board, &rings, sign, how).or_else(|_| {
             let all = add_drowned(scales, &self.board, rings, care);
-            find_grid(frame, &self.board, &all, sign, &self.options)
+            find_grid(frame, &self.board, &all, sign, how)
         })
     }
 }

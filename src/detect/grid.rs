@@ -35,37 +35,18 @@ pub(super) struct Grid {
 }
 
 /// Finds the board among the rings of a frame: of several the one that looks largest.
+///
+/// `beside` is the contrast, over that of the board's rings, from which on a row or column of further ones beside these makes it another board.
 pub(super) fn find_grid(
     frame: &Frame,
     board: &Board,
     rings: &[RingFit],
     sign: f64,
-    options: &DetectOptions,
+    (options, beside): (&DetectOptions, f64),
 ) -> Result<Grid, Miss> {
     let (measured, another) = measured(frame, board, rings, sign, options)?;
-    let (rings, indices) = measured.verdict(options.required)?;
+    let (rings, indices) = measured.verdict(options.required, beside)?;
     Ok(Grid {
-        rings,
-        indices,
-        another,
-    })
-}
-
-/// The same among some of the rings of a frame: `None` where a row or column of further ones stands beside those that would be the
-/// board's.
-pub(super) fn find_grid_among(
-    frame: &Frame,
-    board: &Board,
-    rings: &[RingFit],
-    sign: f64,
-    options: &DetectOptions,
-) -> Option<Grid> {
-    let (measured, another) = measured(frame, board, rings, sign, options).ok()?;
-    if measured.goes_on() {
-        return None;
-    }
-    let (rings, indices) = measured.verdict(options.required).ok()?;
-    Some(Grid {
         rings,
         indices,
         another,
@@ -156,7 +137,7 @@ fn too_few_or_no_grid(board: &Board, found: usize, required: Required) -> Miss {
 }
 
 impl Measured<'_> {
-    fn verdict(mut self, required: Required) -> Result<(Vec<Placed>, Indices), Miss> {
+    fn verdict(mut self, required: Required, beside: f64) -> Result<(Vec<Placed>, Indices), Miss> {
         self.leave_out_strays();
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let found = self.rings.len();
@@ -197,7 +178,15 @@ impl Measured<'_> {
             .collect();
         rings.sort_by_key(|ring| (ring.row, ring.column));
         if let Some(indices) = required.judge(self.board, &mut rings, by_marks.is_some()) {
-            return Ok((rings, indices));
+            return match self.goes_on(numbering, beside) {
+                Some((found_rows, found_columns)) => Err(Miss::WrongSize {
+                    found_rows,
+                    found_columns,
+                    rows,
+                    columns,
+                }),
+                None => Ok((rings, indices)),
+            };
         }
         let (found, expected) = (rings.len(), self.board.ring_count());
         let (columns, rows) = extent(self.rings.keys().map(|&l| numbering.of(l)));

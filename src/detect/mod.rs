@@ -17,6 +17,7 @@ mod margins;
 mod marks;
 mod measured;
 mod nearby;
+mod odd_ones;
 mod orientation;
 mod other_size;
 mod outermost;

@@ -11,8 +11,10 @@ use rayon::prelude::*;
 const FULL: f64 = 0.8;
 /// A line beside the lattice is there where so many of its rings show.
 const GOES_ON: f64 = 0.5;
-/// No ring beside a board is fainter than this, over the contrast of the board's.
-const LEAST_CONTRAST: f64 = 0.05;
+/// No ring beside a board is fainter than this, over the contrast of the board's: one that blur has nearly drowned may be.
+pub(super) const FAINT: f64 = 0.05;
+/// And one as faint as this is as much a ring as those of the board: under heavy blur noise and the sheet's edge look like faint ones.
+pub(super) const CLEAR: f64 = 0.4;
 /// One of so many times the board's rings is a wall of them.
 const MANY: f64 = 1.5;
 
@@ -76,37 +78,54 @@ impl Measured<'_> {
         self.settle_places();
     }
 
-    /// Whether a row or column of rings stands one step beyond a lattice of the board's size.
-    pub(super) fn goes_on(&self) -> bool {
-        let Some(numbering) = self.numbering() else {
-            return false;
+    /// Rows and columns seen, where a row or column of rings of at least this contrast, over that of the board's, stands one step beyond the
+    /// board: then this is a part of something larger.
+    pub(super) fn goes_on(&self, numbering: Numbering, beside: f64) -> Option<(usize, usize)> {
+        let (rows, columns) = (self.board.rows(), self.board.columns());
+        let row = |row: i32| {
+            (0..i32::from(columns))
+                .map(|column| (column, row))
+                .collect()
         };
-        let last = (
-            i32::from(self.board.columns()) - 1,
-            i32::from(self.board.rows()) - 1,
+        let column = |column: i32| (0..i32::from(rows)).map(|row| (column, row)).collect();
+        let lines = [
+            row(-1),
+            row(i32::from(rows)),
+            column(-1),
+            column(i32::from(columns)),
+        ];
+        let least = beside * self.usual_contrast();
+        let shows = lines.into_par_iter();
+        let shows: Vec<bool> = shows
+            .map(|line| self.is_line(numbering, line, least))
+            .collect();
+        let further = |lines: &[bool]| lines.iter().filter(|&&line| line).count();
+        let (more_rows, more_columns) = (further(&shows[..2]), further(&shows[2..]));
+        let size = (
+            usize::from(rows) + more_rows,
+            usize::from(columns) + more_columns,
         );
-        let least = LEAST_CONTRAST * self.usual_contrast();
-        let shows = |line: Vec<Label>| {
-            let wanted = (GOES_ON * line.len() as f64).ceil() as usize;
-            let (mut seen, mut left) = (0, line.len());
-            for place in line {
-                // as soon as it is known, nothing more is measured
-                if seen >= wanted || seen + left < wanted {
-                    break;
-                }
-                left -= 1;
-                let label = numbering.label(place);
-                let ring = self.rings.contains_key(&label)
-                    || (self.is_printed(label, least) && self.look_at(label).is_some());
-                seen += usize::from(ring);
+        (more_rows + more_columns > 0).then_some(size)
+    }
+
+    /// Whether at least half of a line of places have a ring, of at least this contrast.
+    fn is_line(&self, numbering: Numbering, line: Vec<Label>, least: f64) -> bool {
+        let wanted = (GOES_ON * line.len() as f64).ceil() as usize;
+        let (mut seen, mut left) = (0, line.len());
+        for place in line {
+            // as soon as it is known, nothing more is measured
+            if seen >= wanted || seen + left < wanted {
+                break;
             }
-            seen >= wanted
-        };
-        let row = |row: i32| (0..=last.0).map(|column| (column, row)).collect();
-        let column = |column: i32| (0..=last.1).map(|row| (column, row)).collect();
-        [row(-1), row(last.1 + 1), column(-1), column(last.0 + 1)]
-            .into_par_iter()
-            .any(shows)
+            left -= 1;
+            let label = numbering.label(place);
+            let ring = self.rings.get(&label).copied().or_else(|| {
+                let printed = self.is_printed(label, least);
+                printed.then(|| self.look_at(label)).flatten()
+            });
+            seen += usize::from(ring.is_some_and(|ring| ring.contrast >= least));
+        }
+        seen >= wanted
     }
 
     fn usual_contrast(&self) -> f64 {

@@ -5,8 +5,9 @@
 //! decided here, and the whole frame is searched at all levels (`rings`).
 
 use super::detector::DetectOptions;
-use super::grid::{Grid, find_grid_among};
+use super::grid::{Grid, find_grid};
 use super::labelling::{Lattice, extent, lattices};
+use super::other_size::FAINT;
 use super::ring_fit::{Care, RingFit, measure};
 use super::rings::spots;
 use super::scales::Scales;
@@ -87,5 +88,5 @@ fn measured(
             fits.next()
         })
         .collect();
-    find_grid_among(scales.frame, board, &rings, sign, options)
+    find_grid(scales.frame, board, &rings, sign, (options, FAINT)).ok()
 }

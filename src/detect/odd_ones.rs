@@ -1,0 +1,82 @@
+//! Rings that were measured but are none: what covers a ring has an edge, too, and a fit may settle on it.
+//!
+//! What a fit has settled on then stands beside the place that the other rings give it, or is blurred as none of its neighbours is.
+//! One ring after the other is left out, the oddest first, since an odd one moves the places of the others.
+
+use super::detection::Ring;
+use super::edges::median;
+use super::labelling::Label;
+use super::places::Places;
+
+/// How far a ring may stand from where the others expect it: in its minor semi-axes, and in distances of the median ring. A strong lens
+/// leaves half of that at a board's corners.
+const FARTHEST: f64 = 0.25;
+const TIMES_USUAL: f64 = 4.0;
+/// Blur over that of the rings around it, and the difference that counts at least, px. Blur changes over a tilted board, but not at once.
+const BLURS: f64 = 2.0;
+const LEAST_BLUR_PX: f64 = 1.0;
+/// Rings this many steps away and nearer are around one.
+const AROUND: i32 = 2;
+/// So few say nothing about each other.
+const FEW: usize = 6;
+/// No more than one in so many is left out: where more are odd, they are not the exception.
+const MOST_LEFT_OUT: usize = 4;
+
+/// Leaves out what stands or is blurred as the others do not.
+pub(super) fn leave_out_odd_ones(rings: &mut Vec<Ring>) {
+    leave_out_misplaced(rings);
+    let sharpness: Vec<(Label, f64)> = rings
+        .iter()
+        .filter(|ring| ring.kept.is_some())
+        .map(|ring| (label(ring), ring.blur_sigma_px))
+        .collect();
+    let is_odd = |ring: &Ring| ring.kept.is_some() && is_blurred_otherwise(ring, &sharpness);
+    let odd = rings.iter().filter(|ring| is_odd(ring)).count();
+    if odd <= rings.len() / MOST_LEFT_OUT {
+        rings.retain(|ring| !is_odd(ring));
+    }
+}
+
+fn leave_out_misplaced(rings: &mut Vec<Ring>) {
+    for _ in 0..rings.len() / MOST_LEFT_OUT {
+        let known = rings.iter().map(|ring| (label(ring), ring.centre.point));
+        let Some(places) = Places::fit(known).filter(|_| rings.len() >= FEW) else {
+            return;
+        };
+        let off: Vec<f64> = rings.iter().map(|ring| off(ring, &places)).collect();
+        let usual = TIMES_USUAL * median(&mut off.clone());
+        let odd = off.iter().zip(rings.iter()).enumerate();
+        let odd = odd
+            .map(|(i, (off, ring))| (i, off - usual - FARTHEST * ring.ellipses.outer.minor))
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((worst, _)) = odd.filter(|&(_, beyond)| beyond > 0.0) else {
+            return;
+        };
+        rings.remove(worst);
+    }
+}
+
+fn label(ring: &Ring) -> Label {
+    (i32::from(ring.column), i32::from(ring.row))
+}
+
+/// How far a ring stands from where the others expect it, px.
+fn off(ring: &Ring, places: &Places) -> f64 {
+    let place = places.expect(label(ring));
+    place.map_or(0.0, |place| (ring.centre.point - place.at).norm())
+}
+
+/// Whether a ring has much more blur, or much less, than the median of those around it.
+fn is_blurred_otherwise(ring: &Ring, all: &[(Label, f64)]) -> bool {
+    let (column, row) = label(ring);
+    let near = |&&((c, r), _): &&(Label, f64)| {
+        let steps = (c - column).abs().max((r - row).abs());
+        steps > 0 && steps <= AROUND
+    };
+    let mut around: Vec<f64> = all.iter().filter(near).map(|&(_, blur)| blur).collect();
+    if around.len() < FEW {
+        return false;
+    }
+    let (own, usual) = (ring.blur_sigma_px, median(&mut around));
+    own > BLURS * usual + LEAST_BLUR_PX || own < usual / BLURS - LEAST_BLUR_PX
+}

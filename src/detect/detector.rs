@@ -5,7 +5,7 @@ use super::detection::{Detection, Miss, Ring};
 use super::grid::{Grid, find_grid};
 use super::light::bad_light;
 use super::likeness::are_the_boards;
-use super::other_size::CLEAR;
+use super::other_size::Beside;
 use super::outermost::sure_centres;
 use super::required::Required;
 use super::ring_fit::Care;
@@ -175,7 +175,7 @@ impl Detector {
     /// Looks at everything that may be a ring, at all scales.
     fn search(&self, scales: &mut Scales, care: Care) -> Result<Grid, Miss> {
         let (frame, sign) = (scales.frame, scales.sign);
-        let how = (&self.options, CLEAR);
+        let how = (&self.options, Beside::Alike);
         let rings = find_rings(scales, &self.board, care);
         find_grid(frame, &self.board, &rings, sign, how).or_else(|_| {
             let all = add_drowned(scales, &self.board, rings, care);

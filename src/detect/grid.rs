@@ -5,6 +5,7 @@ use super::detector::DetectOptions;
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::marks::numbering_by_marks;
 use super::measured::Measured;
+use super::other_size::Beside;
 use super::plausible::is_plausible;
 use super::required::Required;
 use super::ring_fit::{Care, RingFit};
@@ -36,13 +37,13 @@ pub(super) struct Grid {
 
 /// Finds the board among the rings of a frame: of several the one that looks largest.
 ///
-/// `beside` is the contrast, over that of the board's rings, from which on a row or column of further ones beside these makes it another board.
+/// A row or column of further rings, of those that `beside` says, makes it another board.
 pub(super) fn find_grid(
     frame: &Frame,
     board: &Board,
     rings: &[RingFit],
     sign: f64,
-    (options, beside): (&DetectOptions, f64),
+    (options, beside): (&DetectOptions, Beside),
 ) -> Result<Grid, Miss> {
     let (measured, another) = measured(frame, board, rings, sign, options)?;
     let (rings, indices) = measured.verdict(options.required, beside)?;
@@ -137,7 +138,11 @@ fn too_few_or_no_grid(board: &Board, found: usize, required: Required) -> Miss {
 }
 
 impl Measured<'_> {
-    fn verdict(mut self, required: Required, beside: f64) -> Result<(Vec<Placed>, Indices), Miss> {
+    fn verdict(
+        mut self,
+        required: Required,
+        beside: Beside,
+    ) -> Result<(Vec<Placed>, Indices), Miss> {
         self.leave_out_strays();
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let found = self.rings.len();

@@ -23,10 +23,13 @@ const MOST_UNEVEN: f64 = 0.045;
 const MOST_CONTRASTS: f64 = 0.25;
 /// The dark level over the light one: a black level that was taken off too much leaves little below zero.
 const DARKEST: f64 = -0.1;
-/// The contrast of inner disc and print over that of ground and print: the disc is ground, too. A fit to heavy blur misses by 0.3.
+/// The contrast of inner disc and print over that of ground and print: the disc is ground, too. A fit to heavy blur misses by 0.3, one to
+/// blur of less than this, sigma over the ring's width, by a hundredth.
 const INSIDES: RangeInclusive<f64> = 0.6..=1.45;
-/// How far outlines may be from circles, in radii.
-const MOST_OUT_OF_ROUND: f64 = 0.04;
+const INSIDES_IF_LIGHT: RangeInclusive<f64> = 0.75..=1.3;
+const LIGHT: f64 = 0.35;
+/// How far outlines may be from circles, in radii: those of boards are by 0.004 at most, of blurred squares by 0.025.
+const MOST_OUT_OF_ROUND: f64 = 0.02;
 /// Blur sigma over the ring's width beyond which a fit lays a ring into whatever has a soft edge: nothing tells them apart. (A board can be measured
 /// up to about once the width.)
 const MOST_BLURRED: f64 = 1.5;
@@ -51,6 +54,11 @@ pub(super) fn are_the_boards(
     if sigma_px > MOST_BLURRED * width_px {
         return Err(Miss::TooBlurred { sigma_px, width_px });
     }
+    let insides = if sigma_px < LIGHT * width_px {
+        INSIDES_IF_LIGHT
+    } else {
+        INSIDES
+    };
     let uncertain = DEVIATIONS * sizes.deviation;
     let odd = if sizes.common.abs() > MOST_OFF + uncertain {
         let given = board.outer_radius_m() / board.pitch_m();
@@ -64,7 +72,7 @@ pub(super) fn are_the_boards(
         Odd::Darkness
     } else if is_spread(&fits) {
         Odd::Contrasts
-    } else if !INSIDES.contains(&middle(&fits, |fitted| fitted.model.inner_over_outer()).0) {
+    } else if !insides.contains(&middle(&fits, |fitted| fitted.model.inner_over_outer()).0) {
         Odd::Insides
     } else if measured.out_of_round > MOST_OUT_OF_ROUND {
         Odd::Outlines

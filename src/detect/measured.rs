@@ -190,6 +190,12 @@ impl<'a> Measured<'a> {
         (near && alike).then_some(ring)
     }
 
+    /// How large a ring looks at its place, over how large the others do.
+    pub(super) fn relative_size(&self, label: Label, ring: &RingFit) -> Option<f64> {
+        let expected = self.predicted_ellipses(label)?.outer.mean_radius();
+        Some(ring.outer.mean_radius() / (self.size * expected))
+    }
+
     /// The two ellipses of a measured ring.
     pub(super) fn ellipses(&self, label: Label, ring: &RingFit) -> Option<RingEllipses> {
         let mut ellipses = self.predicted_ellipses(label)?;

@@ -10,7 +10,9 @@ use super::places::Places;
 
 /// How far a ring may stand from where the others expect it: in its minor semi-axes, and in distances of the median ring. A strong lens
 /// leaves half of that at a board's corners.
-const FARTHEST: f64 = 0.25;
+const FARTHEST: f64 = 0.15;
+/// The same where its grey values could not be fitted, and edges alone say where it is: what covers a ring makes edges, too.
+const FARTHEST_BY_EDGES: f64 = 0.05;
 const TIMES_USUAL: f64 = 4.0;
 /// Blur over that of the rings around it, and the difference that counts at least, px. Blur changes over a tilted board, but not at once.
 const BLURS: f64 = 2.0;
@@ -47,12 +49,20 @@ fn leave_out_misplaced(rings: &mut Vec<Ring>) {
         let usual = TIMES_USUAL * median(&mut off.clone());
         let odd = off.iter().zip(rings.iter()).enumerate();
         let odd = odd
-            .map(|(i, (off, ring))| (i, off - usual - FARTHEST * ring.ellipses.outer.minor))
+            .map(|(i, (off, ring))| (i, off - usual - farthest(ring) * ring.ellipses.outer.minor))
             .max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((worst, _)) = odd.filter(|&(_, beyond)| beyond > 0.0) else {
             return;
         };
         rings.remove(worst);
+    }
+}
+
+/// How far a ring may stand from its place, in minor semi-axes.
+fn farthest(ring: &Ring) -> f64 {
+    match ring.kept {
+        Some(_) => FARTHEST,
+        None => FARTHEST_BY_EDGES,
     }
 }
 

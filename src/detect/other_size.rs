@@ -5,6 +5,7 @@ use super::labelling::{Label, extent};
 use super::marks::spot;
 use super::measured::Measured;
 use super::orientation::Numbering;
+use super::ring_fit::RingFit;
 use rayon::prelude::*;
 
 /// A lattice as full as this shows its true extent.
@@ -12,11 +13,26 @@ const FULL: f64 = 0.8;
 /// A line beside the lattice is there where so many of its rings show.
 const GOES_ON: f64 = 0.5;
 /// No ring beside a board is fainter than this, over the contrast of the board's: one that blur has nearly drowned may be.
-pub(super) const FAINT: f64 = 0.05;
-/// And one as faint as this is as much a ring as those of the board: under heavy blur noise and the sheet's edge look like faint ones.
-pub(super) const CLEAR: f64 = 0.4;
+const LEAST_CONTRAST: f64 = 0.05;
+/// Under heavy blur the sheet's edge and what is beside it look like rings, too. A ring is as those of the board where its contrast and its
+/// blur are within these factors of theirs,
+const CONTRASTS: f64 = 2.5;
+const BLURS: f64 = 1.6;
+/// its size over theirs (logarithm),
+const SIZES: f64 = 0.2;
+/// and its distance from its place, in steps.
+const MISPLACED: f64 = 0.12;
 /// One of so many times the board's rings is a wall of them.
 const MANY: f64 = 1.5;
+
+/// Which rings beside those of a board make it a part of something larger.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// Whatever looks like a ring: there is a slower way to find the board.
+    Any,
+    /// Those that are as the board's.
+    Alike,
+}
 
 impl Measured<'_> {
     /// Rows and columns seen, where the lattice is nearly full and does not have the board's size, and is not merely cut
@@ -78,9 +94,8 @@ impl Measured<'_> {
         self.settle_places();
     }
 
-    /// Rows and columns seen, where a row or column of rings of at least this contrast, over that of the board's, stands one step beyond the
-    /// board: then this is a part of something larger.
-    pub(super) fn goes_on(&self, numbering: Numbering, beside: f64) -> Option<(usize, usize)> {
+    /// Rows and columns seen, where a row or column of rings stands one step beyond the board: then this is a part of something larger.
+    pub(super) fn goes_on(&self, numbering: Numbering, which: Beside) -> Option<(usize, usize)> {
         let (rows, columns) = (self.board.rows(), self.board.columns());
         let row = |row: i32| {
             (0..i32::from(columns))
@@ -94,10 +109,10 @@ impl Measured<'_> {
             column(-1),
             column(i32::from(columns)),
         ];
-        let least = beside * self.usual_contrast();
-        let shows = lines.into_par_iter();
-        let shows: Vec<bool> = shows
-            .map(|line| self.is_line(numbering, line, least))
+        let usual = self.usual();
+        let lines = lines.into_par_iter();
+        let shows: Vec<bool> = lines
+            .map(|line: Vec<Label>| self.is_line(numbering, line, which, &usual))
             .collect();
         let further = |lines: &[bool]| lines.iter().filter(|&&line| line).count();
         let (more_rows, more_columns) = (further(&shows[..2]), further(&shows[2..]));
@@ -108,8 +123,14 @@ impl Measured<'_> {
         (more_rows + more_columns > 0).then_some(size)
     }
 
-    /// Whether at least half of a line of places have a ring, of at least this contrast.
-    fn is_line(&self, numbering: Numbering, line: Vec<Label>, least: f64) -> bool {
+    /// Whether at least half of a line of places have a ring.
+    fn is_line(
+        &self,
+        numbering: Numbering,
+        line: Vec<Label>,
+        which: Beside,
+        usual: &Usual,
+    ) -> bool {
         let wanted = (GOES_ON * line.len() as f64).ceil() as usize;
         let (mut seen, mut left) = (0, line.len());
         for place in line {
@@ -120,17 +141,43 @@ impl Measured<'_> {
             left -= 1;
             let label = numbering.label(place);
             let ring = self.rings.get(&label).copied().or_else(|| {
-                let printed = self.is_printed(label, least);
+                let printed = self.is_printed(label, LEAST_CONTRAST * usual.contrast);
                 printed.then(|| self.look_at(label)).flatten()
             });
-            seen += usize::from(ring.is_some_and(|ring| ring.contrast >= least));
+            let counts = |ring: &RingFit| which == Beside::Any || self.is_as(label, ring, usual);
+            seen += usize::from(ring.as_ref().is_some_and(counts));
         }
         seen >= wanted
     }
 
-    fn usual_contrast(&self) -> f64 {
-        let mut contrasts: Vec<f64> = self.rings.values().map(|ring| ring.contrast).collect();
-        median(&mut contrasts)
+    /// What the rings of the board usually are.
+    fn usual(&self) -> Usual {
+        let middle = |of: fn(&RingFit) -> f64| {
+            let mut values: Vec<f64> = self.rings.values().map(of).collect();
+            median(&mut values)
+        };
+        let drowned = self.rings.values().filter(|ring| ring.inner.is_none());
+        Usual {
+            contrast: middle(|ring| ring.contrast),
+            blur_px: middle(|ring| ring.blur_sigma_px),
+            drowned: 2 * drowned.count() > self.rings.len(),
+        }
+    }
+
+    /// Whether a ring at a place is as those of the board.
+    fn is_as(&self, label: Label, ring: &RingFit, usual: &Usual) -> bool {
+        let within =
+            |own: f64, usual: f64, factor: f64| own <= factor * usual && factor * own >= usual;
+        let (Some(place), Some(size)) =
+            (self.places.expect(label), self.relative_size(label, ring))
+        else {
+            return false;
+        };
+        within(ring.contrast, usual.contrast, CONTRASTS)
+            && within(1.0 + ring.blur_sigma_px, 1.0 + usual.blur_px, BLURS)
+            && ring.inner.is_none() == usual.drowned
+            && size.ln().abs() < SIZES
+            && (ring.outer.centre - place.at).norm() < MISPLACED * place.step_px()
     }
 
     /// Whether a place has at least this contrast of paper and ring, which costs much less to see than to measure a ring. Where a part
@@ -162,4 +209,12 @@ impl Measured<'_> {
             .filter(|&(column, row)| beyond(column, columns) || beyond(row, rows))
             .any(|place| !inside(place))
     }
+}
+
+/// What is usual on a board.
+struct Usual {
+    contrast: f64,
+    blur_px: f64,
+    /// Most inner discs do not show.
+    drowned: bool,
 }

@@ -7,7 +7,7 @@
 use super::detector::DetectOptions;
 use super::grid::{Grid, find_grid};
 use super::labelling::{Lattice, extent, lattices};
-use super::other_size::FAINT;
+use super::other_size::Beside;
 use super::ring_fit::{Care, RingFit, measure};
 use super::rings::spots;
 use super::scales::Scales;
@@ -88,5 +88,5 @@ fn measured(
             fits.next()
         })
         .collect();
-    find_grid(scales.frame, board, &rings, sign, (options, FAINT)).ok()
+    find_grid(scales.frame, board, &rings, sign, (options, Beside::Any)).ok()
 }

@@ -85,10 +85,10 @@ fn the_gaps_between_light_rings_are_no_dark_rings() {
 fn discs_that_invert_the_inner_circle_are_told() {
     let rings = board(5, 6, 0.003, Polarity::DarkOnLight);
     let poses = views(&CAMERA, &rings, 3, 0.5, 4).unwrap();
-    for pose in poses {
+    for (pose, inner_radii) in poses.into_iter().zip([1.15, 1.3, 1.42]) {
         let mut scene = Scene::new(CAMERA, rings.clone(), pose);
         let inner_px = CAMERA.intrinsics.fx * 0.003 / pose.translation_m.z;
-        scene.defocus = Defocus::disc(1.15 * inner_px);
+        scene.defocus = Defocus::disc(inner_radii * inner_px);
         scene.sensor.read_noise = 0.01;
         let rendering = render(&scene, 9).unwrap();
         let found = Detector::new(rings.clone(), DetectOptions::default())

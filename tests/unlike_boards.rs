@@ -130,6 +130,17 @@ fn thin_rings_are_no_broad_ones() {
 }
 
 #[test]
+fn inner_circles_of_another_size_are_told() {
+    // grey values alone are explained by more blur
+    for (ratio, blur_px) in [(0.25, 2), (0.3, 2)] {
+        let frame = picture(60.0, blur_px, |at, _| {
+            (ratio * RADIUS..RADIUS).contains(&at.norm())
+        });
+        assert!(detect(&frame).is_err(), "{ratio} {blur_px}");
+    }
+}
+
+#[test]
 fn a_ring_encloses_the_ground_it_is_printed_on() {
     let is_dark = |at: Vector2<f64>| (7919.3 * at.x + 10_473.7 * at.y).fract().abs() < 0.45;
     let frame = picture(40.0, 2, |at, _| {

@@ -136,6 +136,9 @@ pub enum Odd {
     /// And in one ink.
     #[error("their contrasts differ")]
     Contrasts,
+    /// Inner circles are as large as the board file says.
+    #[error("their inner circles are of another size than the board file says")]
+    Inners,
     /// The inner disc is of the ground that the ring is printed on.
     #[error("what they enclose is not as light as what is around them")]
     Insides,

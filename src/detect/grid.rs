@@ -1,12 +1,12 @@
 //! The board in a lattice: which one it is, which rings are which, the verdict.
 
-use super::detection::{Indices, Miss};
+use super::detection::{Indices, Miss, Odd};
 use super::detector::DetectOptions;
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::marks::numbering_by_marks;
 use super::measured::Measured;
 use super::other_size::Beside;
-use super::plausible::is_plausible;
+use super::plausible::{has_the_ratio, is_plausible};
 use super::required::Required;
 use super::ring_fit::{Care, RingFit};
 use crate::board::Board;
@@ -157,6 +157,10 @@ impl Measured<'_> {
                 rows,
                 columns,
             });
+        }
+        if !has_the_ratio(self.board, &self.rings) {
+            let odd = Odd::Inners;
+            return Err(Miss::Unlike { found, odd });
         }
         if let Some((found_rows, found_columns)) = self.other_size(numbering) {
             return Err(Miss::WrongSize {

@@ -90,3 +90,71 @@ fn is_blurred_otherwise(ring: &Ring, all: &[(Label, f64)]) -> bool {
     let (own, usual) = (ring.blur_sigma_px, median(&mut around));
     own > BLURS * usual + LEAST_BLUR_PX || own < usual / BLURS - LEAST_BLUR_PX
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::centre::{Centre, Ellipse, RingEllipses};
+    use nalgebra::{Point2, Vector2};
+
+    fn ring(row: u16, column: u16) -> Ring {
+        let (x, y) = (f64::from(column), f64::from(row));
+        // in perspective, and bent by a lens
+        let scale = 60.0 / (1.0 + 0.03 * x) * (1.0 - 0.002 * (x * x + y * y));
+        let circle = |radius: f64| Ellipse {
+            centre: Point2::new(50.0 + scale * x, 50.0 + scale * y),
+            major: radius,
+            minor: radius,
+            angle: 0.0,
+        };
+        let ellipses = RingEllipses {
+            inner: circle(10.0),
+            outer: circle(20.0),
+        };
+        Ring {
+            row,
+            column,
+            centre: Centre {
+                point: ellipses.outer.centre,
+                covariance: None,
+            },
+            ellipses,
+            blur_sigma_px: 1.0,
+            kept: None,
+        }
+    }
+
+    fn board() -> Vec<Ring> {
+        let labels = (0..5).flat_map(|row| (0..6).map(move |column| (row, column)));
+        labels.map(|(row, column)| ring(row, column)).collect()
+    }
+
+    #[test]
+    fn a_ring_beside_its_place_is_left_out_and_no_other() {
+        let mut rings = board();
+        leave_out_odd_ones(&mut rings);
+        assert_eq!(rings, board());
+        rings[0].centre.point += Vector2::new(3.0, 2.0);
+        rings[14].centre.point += Vector2::new(-2.0, 2.0);
+        leave_out_odd_ones(&mut rings);
+        let mut expected = board();
+        expected.remove(14);
+        expected.remove(0);
+        assert_eq!(rings, expected);
+    }
+
+    #[test]
+    fn blur_that_no_neighbour_has_is_odd_and_blur_that_changes_is_not() {
+        let blur = |(column, row): Label| 1.0 + 0.8 * f64::from(column) + 0.2 * f64::from(row);
+        let all: Vec<(Label, f64)> = board().iter().map(|r| (label(r), blur(label(r)))).collect();
+        for ring in board() {
+            let of = |blur_sigma_px: f64| Ring {
+                blur_sigma_px,
+                ..ring.clone()
+            };
+            let own = blur(label(&ring));
+            assert!(!is_blurred_otherwise(&of(own), &all));
+            assert!(is_blurred_otherwise(&of(4.0 * own + 4.0), &all));
+        }
+    }
+}

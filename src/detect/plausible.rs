@@ -1,5 +1,6 @@
 //! Whether the rings of a lattice can be one board: texture, too, has blobs that stand in rows by chance.
 
+use super::edges::median;
 use super::labelling::Label;
 use super::places::Places;
 use super::ring_fit::RingFit;
@@ -23,6 +24,24 @@ const SIZE: (f64, f64) = (0.6, 1.7);
 const LEAST_SIZE_IF_DROWNED: f64 = 0.35;
 /// The faintest ring's contrast over the strongest's: a shadow over a part of the board leaves more.
 const LEAST_CONTRAST: f64 = 0.06;
+
+/// How far the measured inner over outer radius may be from the board file's (logarithm), where blur leaves the edges where they are: sigma
+/// (with what a pixel adds) below this fraction of the ring's width.
+const MOST_OFF_RATIO: f64 = 0.22;
+const LIGHT: f64 = 0.2;
+const PIXEL_SIGMA_PX: f64 = 0.5;
+
+/// Whether the inner circles are as large as the board file says, as far as edges tell: a fit of grey values knows no other ratio and
+/// makes up for it with blur. Of rings as small or as blurred that edges are displaced nothing is asked.
+pub(super) fn has_the_ratio(board: &Board, rings: &BTreeMap<Label, RingFit>) -> bool {
+    let ratio = |ring: &RingFit| {
+        let (inner, outer) = (ring.inner?.mean_radius(), ring.outer.mean_radius());
+        let sharp = ring.blur_sigma_px.hypot(PIXEL_SIGMA_PX) < LIGHT * (outer - inner);
+        sharp.then(|| (inner / outer / board.radius_ratio()).ln().abs())
+    };
+    let mut off: Vec<f64> = rings.values().filter_map(ratio).collect();
+    2 * off.len() < rings.len() || median(&mut off) < MOST_OFF_RATIO
+}
 
 /// Whether places, sizes and contrasts of the rings agree with one board on one plane.
 pub(super) fn is_plausible(

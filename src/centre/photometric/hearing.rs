@@ -25,7 +25,7 @@ const SIZES: [f64; 4] = [1.0, 0.92, 0.84, 0.74];
 const BLURS: [f64; 4] = [1.0, 1.35, 1.8, 2.4];
 /// Sizes (of the outline seen) and disc radii (of that size) that are tried for discs about as large as the inner circle.
 const LARGE_SIZES: [f64; 5] = [1.25, 1.1, 1.0, 0.9, 0.75];
-const LARGE_DISCS: [f64; 6] = [0.3, 0.45, 0.6, 0.7, 0.85, 1.0];
+const LARGE_DISCS: [f64; 7] = [0.3, 0.45, 0.6, 0.7, 0.8, 0.9, 1.0];
 /// They are not tried where a ring fits with less blur than this, sigma over the size of the outline.
 const LIGHT: f64 = 0.17;
 /// Blur below this looks the same whatever its shape, px.

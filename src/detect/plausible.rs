@@ -26,7 +26,7 @@ const LEAST_SIZE_IF_DROWNED: f64 = 0.35;
 const LEAST_CONTRAST: f64 = 0.06;
 
 /// How far the measured inner over outer radius may be from the board file's (logarithm), where blur leaves the edges where they are: sigma
-/// (with what a pixel adds) below this fraction of the ring's width.
+/// (with what a pixel adds) below this fraction of the ring's width and of its inner radius.
 const MOST_OFF_RATIO: f64 = 0.22;
 const LIGHT: f64 = 0.2;
 const PIXEL_SIGMA_PX: f64 = 0.5;
@@ -36,7 +36,8 @@ const PIXEL_SIGMA_PX: f64 = 0.5;
 pub(super) fn has_the_ratio(board: &Board, rings: &BTreeMap<Label, RingFit>) -> bool {
     let ratio = |ring: &RingFit| {
         let (inner, outer) = (ring.inner?.mean_radius(), ring.outer.mean_radius());
-        let sharp = ring.blur_sigma_px.hypot(PIXEL_SIGMA_PX) < LIGHT * (outer - inner);
+        let narrow = (outer - inner).min(inner);
+        let sharp = ring.blur_sigma_px.hypot(PIXEL_SIGMA_PX) < LIGHT * narrow;
         sharp.then(|| (inner / outer / board.radius_ratio()).ln().abs())
     };
     let mut off: Vec<f64> = rings.values().filter_map(ratio).collect();

@@ -20,8 +20,6 @@ pub(super) struct Observation {
     pub whitening: Matrix2<f64>,
     /// Whether its own covariance is behind `whitening`.
     pub has_covariance: bool,
-    /// Whether the bends of the lens are out of it already.
-    pub straight: bool,
     /// Its weight: 1, or 0 where it is left out.
     pub share: f64,
 }
@@ -108,7 +106,6 @@ fn observation(
         bias_px: Vector2::zeros(),
         whitening,
         has_covariance: own.is_some(),
-        straight: view.straight && own.is_some(),
         share: 1.0,
     })
 }

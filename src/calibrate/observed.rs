@@ -3,13 +3,12 @@
 //! The constructions of the paper take a ring's image for two ellipses. Perspective displaces an ellipse's centre from the projected
 //! one, and the lens bends the curves, which displaces the others too. Camera and pose say by how much: both
 //! circles are sent through the camera, ellipses laid through them, the construction repeated. The photometric estimator
-//! has the perspective in its model; the curves of its model are laid through the bent ones ([`bent`]).
+//! has the perspective in its model, and has taken off what the lens bends.
 
 use super::observations::Observation;
 use super::shared::Shared;
 use crate::board::Board;
 use crate::camera::Pose;
-use crate::centre::photometric::bent;
 use crate::centre::{CentreEstimator, Estimator, RingEllipses};
 use crate::detect::ellipse_along;
 use nalgebra::{Point2, Vector2};
@@ -65,8 +64,7 @@ pub(super) fn predict(
                 // made by hand, of points: they are what they are
                 Some(_) if construction.is_none() && !with_covariance => None,
                 Some(edges) => before.bias_on_edges_px(edges.as_ref()),
-                None if ring.straight => None,
-                None => bent(|d| before.image(d), board.radius_ratio()),
+                None => None,
             }
             .unwrap_or_default();
             changed |= ring.bias_px != last;

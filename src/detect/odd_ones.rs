@@ -7,6 +7,8 @@ use super::detection::Ring;
 use super::edges::median;
 use super::labelling::Label;
 use super::places::Places;
+use nalgebra::Point2;
+use std::collections::BTreeMap;
 
 /// How far a ring may stand from where the others expect it: in its minor semi-axes, and in distances of the median ring. A strong lens
 /// leaves half of that at a board's corners.
@@ -45,7 +47,11 @@ fn leave_out_misplaced(rings: &mut Vec<Ring>) {
         let Some(places) = Places::fit(known).filter(|_| rings.len() >= FEW) else {
             return;
         };
-        let off: Vec<f64> = rings.iter().map(|ring| off(ring, &places)).collect();
+        let at: BTreeMap<Label, Point2<f64>> = rings
+            .iter()
+            .map(|ring| (label(ring), ring.centre.point))
+            .collect();
+        let off: Vec<f64> = rings.iter().map(|ring| off(ring, &places, &at)).collect();
         let usual = TIMES_USUAL * median(&mut off.clone());
         let odd = off.iter().zip(rings.iter()).enumerate();
         let odd = odd
@@ -70,10 +76,25 @@ fn label(ring: &Ring) -> Label {
     (i32::from(ring.column), i32::from(ring.row))
 }
 
-/// How far a ring stands from where the others expect it, px.
-fn off(ring: &Ring, places: &Places) -> f64 {
-    let place = places.expect(label(ring));
-    place.map_or(0.0, |place| (ring.centre.point - place.at).norm())
+/// How far a ring stands from where the others expect it, px: all of them, or the next three or four of its row or column. In the corners of a fisheye's
+/// frame the first is off by half a radius.
+fn off(ring: &Ring, places: &Places, at: &BTreeMap<Label, Point2<f64>>) -> f64 {
+    let (column, row) = label(ring);
+    let mut all: Vec<Point2<f64>> = Vec::with_capacity(9);
+    all.extend(places.expect((column, row)).map(|place| place.at));
+    for (across, down) in [(1, 0), (-1, 0), (0, 1), (0, -1)] {
+        let next = |k: i32| at.get(&(column + k * across, row + k * down));
+        if let (Some(a), Some(b), Some(c)) = (next(1), next(2), next(3)) {
+            // the parabola through three, and the cubic through four
+            let parabola = a + 2.0 * (a - b) + (c - b);
+            all.push(parabola);
+            all.extend(next(4).map(|d| parabola + (a - b) - 2.0 * (b - c) + (c - d)));
+        }
+    }
+    let off = all
+        .iter()
+        .map(|expected| (ring.centre.point - expected).norm());
+    off.min_by(f64::total_cmp).unwrap_or(0.0)
 }
 
 /// Whether a ring has much more blur, or much less, than the median of those around it.
@@ -95,7 +116,7 @@ fn is_blurred_otherwise(ring: &Ring, all: &[(Label, f64)]) -> bool {
 mod tests {
     use super::*;
     use crate::centre::{Centre, Ellipse, RingEllipses};
-    use nalgebra::{Point2, Vector2};
+    use nalgebra::Vector2;
 
     fn ring(row: u16, column: u16) -> Ring {
         let (x, y) = (f64::from(column), f64::from(row));

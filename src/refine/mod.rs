@@ -9,7 +9,7 @@
 use crate::board::Board;
 use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
 use crate::camera::Pose;
-use crate::centre::photometric::{KnownRing, bent, refit, shape_under};
+use crate::centre::photometric::{KnownRing, refit, shape_under};
 use crate::session::View;
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -97,15 +97,11 @@ fn refine_view(board: &Board, view: &View, calibration: &Calibration, pose: &Pos
     let ratio = board.radius_ratio();
     let found = refit(&rings, ratio, |i, d| image(places[i], d));
     let mut refined = view.clone();
-    refined.straight = true;
     let mut again = places.into_iter().zip(found).collect::<BTreeMap<_, _>>();
     for (place, ring) in refined.rings.iter_mut().enumerate() {
-        let centre = &mut ring.centre;
         if let Some((point, covariance)) = again.remove(&place).flatten() {
-            centre.point = point;
-            centre.covariance = Some(covariance);
-        } else if centre.covariance.is_some() {
-            centre.point -= bent(|d| image(place, d), ratio).unwrap_or_default();
+            ring.centre.point = point;
+            ring.centre.covariance = Some(covariance);
         }
     }
     refined

@@ -25,8 +25,6 @@ pub struct View {
     pub rings: Vec<Ring>,
     /// Board plane (m) to frame (px), distortion neglected.
     pub homography: Matrix3<f64>,
-    /// Whether what the lens's bends do to the photometric centres has been taken off (`refine`).
-    pub straight: bool,
 }
 
 impl View {
@@ -51,7 +49,6 @@ impl View {
             indices: detection.indices,
             rings: detection.rings.clone(),
             homography: detection.homography,
-            straight: false,
         }
     }
 }

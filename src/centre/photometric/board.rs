@@ -120,7 +120,7 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         .unwrap_or_else(|| blank(frame.width(), frame.height()));
     let has_edge = |ring: &Under| ring.fitted.is_ok_and(|f| f.model.sheet.is_some());
     if rings.iter().any(has_edge)
-        && let (_, Some(map)) = share(board, &rings, &camera)
+        && let Some(map) = share(board, &rings, &camera).map
         && mend(frame, board, &mut rings, &map)
     {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);
@@ -153,31 +153,47 @@ fn fit_round(
     moved.reduce(|| false, |a, b| a || b)
 }
 
+/// What the rings of a board say together.
+struct Shared {
+    /// The centres of those that were measured.
+    centres: Vec<CentreAndCovariance>,
+    map: Option<LensMap>,
+    /// What the lens's bends do is taken off the centres already.
+    straight: bool,
+}
+
 /// The centres of the rings that were measured, with the perspective they share, and the map through them.
-fn share(
-    board: &BoardStart,
-    rings: &[Under],
-    camera: &Camera,
-) -> (Vec<CentreAndCovariance>, Option<LensMap>) {
+fn share(board: &BoardStart, rings: &[Under], camera: &Camera) -> Shared {
     let measured = rings.iter().zip(board.places);
     let (fitted, places): (Vec<RingFitted>, Vec<_>) = measured
         .filter_map(|(ring, place)| Some((ring.fitted.ok()?, place.plane_m)))
         .unzip();
-    let share =
-        |fitted: &[RingFitted]| share_perspective(fitted, &places, board.outer_radius_m, camera);
-    let (centres, map) = share(&fitted);
+    let share = |fitted: &[RingFitted], straight| {
+        let (centres, map) = share_perspective(fitted, &places, board.outer_radius_m, camera);
+        Shared {
+            centres,
+            map,
+            straight,
+        }
+    };
+    let bent = share(&fitted, false);
     let size = (board.outer_radius_m, board.ratio);
-    let straight = map
-        .as_ref()
-        .and_then(|map| unbent(&fitted, &places, map, size));
-    straight.map_or((centres, map), |straight| share(&straight))
+    let map = bent.map.as_ref();
+    match map.and_then(|map| unbent(&fitted, &places, map, size)) {
+        Some(straight) => share(&straight, true),
+        None => bent,
+    }
 }
 
 /// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
 /// through the others.
 fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) -> BoardMeasured {
-    let (shared, map) = share(board, &rings, camera);
-    if let Some(map) = map.filter(|_| shared.len() < rings.len()) {
+    let Shared {
+        centres,
+        map,
+        straight,
+    } = share(board, &rings, camera);
+    if let Some(map) = map.filter(|_| centres.len() < rings.len()) {
         fit_given(board, &mut rings, &map);
     }
     let windows = rings.iter().zip(board.places).map(|(ring, place)| {
@@ -187,17 +203,20 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
     });
     let keep = worth_keeping(&windows.collect::<Vec<_>>());
     let out_of_round = out_of_round(board.ratio, &rings);
-    let mut shared = shared.into_iter();
+    let mut shared = centres.into_iter();
     let rings = rings.into_iter().zip(keep).zip(board.places);
     let measured = rings.map(|((ring, keep), place)| {
         let alone = ring.given;
         let fitted = ring.fitted?;
         let own = (fitted.model.shape.centre, fitted.centre_covariance());
         let next = if alone { Some(own) } else { shared.next() };
-        let (centre, mut covariance) = next.unwrap_or(own);
+        let (mut centre, mut covariance) = next.unwrap_or(own);
         let moved = map.and_then(|map| map.bent(place.plane_m, board.outer_radius_m, board.ratio));
-        let moved = moved.unwrap_or_default() * BENT_LEFT;
-        covariance += moved * moved.transpose();
+        let moved = moved.unwrap_or_default();
+        if alone || !straight {
+            centre -= moved;
+        }
+        covariance += moved * moved.transpose() * (BENT_LEFT * BENT_LEFT);
         let window = ring.window.as_ref().filter(|_| keep).map(KeptWindow::of);
         Ok(RingMeasured {
             centre,

@@ -4,7 +4,7 @@
 //! and the perspective it finds contradicts the board's. The map through the centres knows the bends well enough to say what a fit makes
 //! of them.
 
-use super::bent::bends;
+use super::bent::{bends, bent};
 use super::fitted::RingFitted;
 use super::lens_map::LensMap;
 use super::problem::Workspace;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 const WORTH: f64 = 0.2;
 
 /// The fits of rings at these places (m) as they would be before a lens that bends no ring of this size (outer radius, m; inner over outer
-/// radius); `None` where the bends are too small to tell.
+/// radius); `None` where all bends are small: then what they move the curves by is what they move the centres by.
 pub(super) fn unbent(
     rings: &[RingFitted],
     plane_m: &[Point2<f64>],
@@ -24,28 +24,27 @@ pub(super) fn unbent(
     (outer_radius_m, ratio): (f64, f64),
 ) -> Option<Vec<RingFitted>> {
     let pairs = rings.par_iter().zip(plane_m);
-    let straight: Vec<Option<RingFitted>> = pairs
+    let straight: Vec<Option<(RingFitted, bool)>> = pairs
         .map_init(Workspace::default, |room, (fitted, place)| {
             let image = |d| map.place(place + d * outer_radius_m);
             let std = (0.5 * fitted.centre_covariance().trace()).sqrt();
+            let mut straight = *fitted;
             if bends(image)? < WORTH * std {
-                return None;
+                straight.model.shape.centre -= bent(image, ratio)?;
+                return Some((straight, false));
             }
             let shape = map.ring(*place, outer_radius_m)?;
             let found = found_of_bent(&fitted.model, &shape, image, ratio, room)?;
-            let mut straight = *fitted;
             straight.model.shape.centre -= found.centre - shape.centre;
             straight.model.shape.perspective -= found.perspective - shape.perspective;
-            Some(straight)
+            Some((straight, true))
         })
         .collect();
-    if straight.iter().all(Option::is_none) {
-        return None;
-    }
+    let worth = straight.iter().flatten().any(|(_, worth)| *worth);
     let pairs = straight.into_iter().zip(rings);
-    Some(
+    worth.then(|| {
         pairs
-            .map(|(straight, bent)| straight.unwrap_or(*bent))
-            .collect(),
-    )
+            .map(|(straight, bent)| straight.map_or(*bent, |(ring, _)| ring))
+            .collect()
+    })
 }

@@ -62,10 +62,8 @@ impl Through {
         let suspect = |found: &Self| found.misfit > SUSPECT;
         if camera.distortion.is_none() && best.as_ref().is_none_or(suspect) {
             for other in FANS.map(|fan| with(Fan(fan))).into_iter().flatten() {
-                if best
-                    .as_ref()
-                    .is_none_or(|best| other.cost + FAN_WORTH < best.cost)
-                {
+                let better = |best: &Self| other.cost + FAN_WORTH < best.cost;
+                if best.as_ref().is_none_or(better) {
                     best = Some(other);
                 }
             }
@@ -109,9 +107,11 @@ impl Through {
                 break;
             }
         }
-        let finite = map.lens().iter().all(|v| v.is_finite());
-        let last = shown.iter().filter(|_| finite).zip(rings);
-        let said = last.map(|(shown, ring)| shown.said(&map, &covariance, ring, outer_radius_m));
+        if !map.lens().iter().all(|v| v.is_finite()) {
+            return None;
+        }
+        let pairs = shown.iter().zip(rings);
+        let said = pairs.map(|(shown, ring)| shown.said(&map, &covariance, ring, outer_radius_m));
         let perspectives = said.collect::<Option<Vec<_>>>()?;
         Some(Self {
             misfit: misfit(&map, rings, &perspectives)?,

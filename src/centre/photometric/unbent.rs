@@ -12,7 +12,7 @@ use super::straight::found_of_bent;
 use nalgebra::Point2;
 use rayon::prelude::*;
 
-/// Bends below this part of a centre's standard deviation are left in.
+/// Of bends below this part of a centre's standard deviation the curves alone say well enough what they do.
 const WORTH: f64 = 0.2;
 
 /// The fits of rings at these places (m) as they would be before a lens that bends no ring of this size (outer radius, m; inner over outer

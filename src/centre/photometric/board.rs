@@ -34,8 +34,9 @@ use rayon::prelude::*;
 /// Rounds of fits while neighbours' skirts are still moving; after the first two, all rings step together before each.
 const ROUNDS: usize = 6;
 
-/// Part of what a lens's bends move the curves of a ring by that may be left in its centre: most of it is taken off (`unbent`).
-const BENT_LEFT: f64 = 0.3;
+/// What may be left of the bends in a centre although they are taken off, over what they move the ring's curves by: under blur they move a
+/// fit by up to twice that, and before a fisheye the map is not quite the lens.
+const BENT_LEFT: f64 = 1.5;
 
 /// A ring of a board as it was seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -26,7 +26,7 @@ const LEAST_SIZE_IF_DROWNED: f64 = 0.35;
 const LEAST_CONTRAST: f64 = 0.06;
 
 /// How far the measured inner over outer radius may be from the board file's (logarithm), where blur leaves the edges where they are: sigma
-/// (with what a pixel adds) below this fraction of the ring's width and of the inner circle's.
+/// (with what a pixel adds) below this fraction of the ring's width and of three inner radii.
 const MOST_OFF_RATIO: f64 = 0.22;
 const LIGHT: f64 = 0.2;
 const PIXEL_SIGMA_PX: f64 = 0.5;
@@ -36,7 +36,7 @@ const PIXEL_SIGMA_PX: f64 = 0.5;
 pub(super) fn has_the_ratio(board: &Board, rings: &BTreeMap<Label, RingFit>) -> bool {
     let ratio = |ring: &RingFit| {
         let (inner, outer) = (ring.inner?.mean_radius(), ring.outer.mean_radius());
-        let narrow = (outer - inner).min(2.0 * inner);
+        let narrow = (outer - inner).min(3.0 * inner);
         let sharp = ring.blur_sigma_px.hypot(PIXEL_SIGMA_PX) < LIGHT * narrow;
         sharp.then(|| (inner / outer / board.radius_ratio()).ln().abs())
     };

@@ -59,14 +59,12 @@ pub(super) fn predict(
             let last = ring.bias_px;
             let edges = construction
                 .as_ref()
-                .or(fallback.as_ref().filter(|_| !ring.has_covariance));
-            ring.bias_px = match edges {
+                .or(fallback.as_ref().filter(|_| !ring.has_covariance))
                 // made by hand, of points: they are what they are
-                Some(_) if construction.is_none() && !with_covariance => None,
-                Some(edges) => before.bias_on_edges_px(edges.as_ref()),
-                None => None,
-            }
-            .unwrap_or_default();
+                .filter(|_| construction.is_some() || with_covariance);
+            ring.bias_px = edges
+                .and_then(|edges| before.bias_on_edges_px(edges.as_ref()))
+                .unwrap_or_default();
             changed |= ring.bias_px != last;
         }
         changed

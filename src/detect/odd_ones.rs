@@ -44,13 +44,10 @@ pub(super) fn leave_out_odd_ones(rings: &mut Vec<Ring>) {
 fn leave_out_misplaced(rings: &mut Vec<Ring>) {
     for _ in 0..rings.len() / MOST_LEFT_OUT {
         let known = rings.iter().map(|ring| (label(ring), ring.centre.point));
+        let at: BTreeMap<Label, Point2<f64>> = known.clone().collect();
         let Some(places) = Places::fit(known).filter(|_| rings.len() >= FEW) else {
             return;
         };
-        let at: BTreeMap<Label, Point2<f64>> = rings
-            .iter()
-            .map(|ring| (label(ring), ring.centre.point))
-            .collect();
         let off: Vec<f64> = rings.iter().map(|ring| off(ring, &places, &at)).collect();
         let usual = TIMES_USUAL * median(&mut off.clone());
         let odd = off.iter().zip(rings.iter()).enumerate();

@@ -17,7 +17,10 @@ const STEPS: usize = 3;
 
 /// The centre that the fit of a ring gives less the true one, px, for a map from outer radii about the ring's centre to the frame and its
 /// inner over its outer radius; `None` where the map has no image of the ring.
-pub fn bent(map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>, ratio: f64) -> Option<Vector2<f64>> {
+pub(super) fn bent(
+    map: impl Fn(Vector2<f64>) -> Option<Point2<f64>>,
+    ratio: f64,
+) -> Option<Vector2<f64>> {
     let start = shape_under(&map)?;
     Some(laid(&map, &start, ratio)?.centre - start.centre)
 }

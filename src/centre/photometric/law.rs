@@ -42,9 +42,13 @@ pub(super) fn share_perspective(
         return (own(), None);
     };
     let said = &through.perspectives;
-    let centres = Correction::of(rings, said).map(|law| {
-        let pairs = rings.iter().zip(said);
-        pairs.map(|(ring, said)| law.apply(ring, said)).collect()
+    let centres = Correction::of(&sightings, said).map(|law| {
+        let all = rings.iter().zip(&sightings).zip(said);
+        let given = all.map(|((ring, sighting), said)| {
+            let given = law.apply(sighting, said).filter(Given::is_near);
+            given.map_or_else(|| own_centre(ring), |given| given.centre)
+        });
+        given.collect()
     });
     (centres.unwrap_or_else(own), Some(through.map))
 }
@@ -66,14 +70,13 @@ struct Correction {
 
 impl Correction {
     /// The polynomial that explains the rings' own perspectives best beside the `known` ones.
-    fn of(rings: &[RingFitted], known: &[BoardPerspective]) -> Option<Self> {
+    fn of(rings: &[Sighting], known: &[BoardPerspective]) -> Option<Self> {
         let count = rings.len() as f64;
-        let centre = |r: &RingFitted| r.model.shape.centre;
-        let sum = rings.iter().map(|r| centre(r).coords).sum::<Vector2<f64>>();
+        let sum = rings.iter().map(|r| r.centre.coords).sum::<Vector2<f64>>();
         let middle = Point2::from(sum / count);
         let scale_px = rings
             .iter()
-            .map(|r| (centre(r) - middle).norm())
+            .map(|r| (r.centre - middle).norm())
             .fold(1.0, f64::max);
         [0, 1, 3, 6, 10]
             .into_iter()
@@ -93,14 +96,14 @@ impl Correction {
     }
 
     /// The correction with its coefficients, and what they cost: chi-square and the worth of the coefficients.
-    fn fitted(mut self, rings: &[RingFitted], known: &[BoardPerspective]) -> Option<(f64, Self)> {
+    fn fitted(mut self, rings: &[Sighting], known: &[BoardPerspective]) -> Option<(f64, Self)> {
         let size = 2 * self.terms;
         let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
         let mut total = 0.0;
         for (ring, known) in rings.iter().zip(known) {
-            let row = self.row(&ring.model.shape.centre);
-            let weight = perspective_covariance(ring).try_inverse()?;
-            let missing = ring.model.shape.perspective - known.perspective;
+            let row = self.row(&ring.centre);
+            let weight = ring.of_perspective.try_inverse()?;
+            let missing = ring.perspective - known.perspective;
             let square = missing.dot(&(weight * missing));
             // a ring that is none of this board must not choose the degree
             let trust = (OUTLIER * OUTLIER / square.max(f64::MIN_POSITIVE)).min(1.0);
@@ -142,8 +145,8 @@ impl Correction {
         row
     }
 
-    fn apply(&self, ring: &RingFitted, known: &BoardPerspective) -> CentreAndCovariance {
-        let row = self.row(&ring.model.shape.centre);
+    fn apply(&self, ring: &Sighting, known: &BoardPerspective) -> Option<Given> {
+        let row = self.row(&ring.centre);
         let correction = &row * &self.coefficients;
         let uncertain = &row * &self.covariance * row.transpose();
         let board = BoardPerspective {
@@ -151,8 +154,7 @@ impl Correction {
             covariance: known.covariance + Matrix2::from_fn(|i, j| uncertain[(i, j)]),
             ..*known
         };
-        let given = given_perspective(ring, &board).filter(Given::is_near);
-        given.map_or_else(|| own_centre(ring), |given| given.centre)
+        Given::of(ring, &board)
     }
 }
 
@@ -165,6 +167,15 @@ pub(super) struct Given {
 }
 
 impl Given {
+    fn of(ring: &Sighting, board: &BoardPerspective) -> Option<Self> {
+        let (gain, with_ring) = (&ring.gain, board.with_ring * ring.gain.transpose());
+        let moved = gain * board.covariance * gain.transpose() + with_ring + with_ring.transpose();
+        Some(Self {
+            centre: (ring.centre_given(&board.perspective), ring.given + moved),
+            off: ring.contradicts(board)?,
+        })
+    }
+
     /// Whether its own perspective was near enough for that to be noise.
     pub(super) fn is_near(&self) -> bool {
         self.off < OUTLIER * OUTLIER
@@ -172,19 +183,8 @@ impl Given {
 }
 
 /// A ring's centre given that its perspective is this one; `None` where its own has no covariance.
-pub(super) fn given_perspective(ring: &RingFitted, board: &BoardPerspective) -> Option<Given> {
+pub(super) fn given_perspective(ring: &RingFitted, perspective: Vector2<f64>) -> Option<Given> {
+    // where it is on the board does not matter
     let sighting = Sighting::of(ring, Point2::origin())?;
-    let (gain, with_ring) = (&sighting.gain, board.with_ring * sighting.gain.transpose());
-    let moved = gain * board.covariance * gain.transpose() + with_ring + with_ring.transpose();
-    Some(Given {
-        centre: (
-            sighting.centre_given(&board.perspective),
-            sighting.given + moved,
-        ),
-        off: sighting.contradicts(board)?,
-    })
-}
-
-fn perspective_covariance(ring: &RingFitted) -> Matrix2<f64> {
-    ring.covariance.fixed_view::<2, 2>(5, 5).into_owned()
+    Given::of(&sighting, &BoardPerspective::exact(perspective))
 }

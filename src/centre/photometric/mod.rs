@@ -77,7 +77,6 @@ mod usual;
 mod wall;
 mod window;
 
-pub use bent::bent;
 pub use blur::{Blur, Psf};
 pub use board::{BoardMeasured, BoardPlace, BoardStart, measure_board};
 pub use bound::cramer_rao_bound;

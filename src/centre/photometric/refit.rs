@@ -9,7 +9,6 @@ use super::law::{CentreAndCovariance, given_perspective};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::Shape;
-use super::sighting::BoardPerspective;
 use super::straight::{Image, found_of_bent, straighten};
 use nalgebra::{Matrix2, Point2, Vector2};
 use rayon::prelude::*;
@@ -68,7 +67,7 @@ fn by_fit(
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
     let found = found_of_bent(&fitted.model, &ring.shape, image, ratio, room)?;
-    let given = given_perspective(fitted, &BoardPerspective::exact(found.perspective))?;
+    let given = given_perspective(fitted, found.perspective)?;
     let unexplained = given.off * fitted.noise.powi(2) / (fitted.pixels as f64);
     let believed = given.is_near() || unexplained.sqrt() < BENT * contrast(fitted);
     let (centre, covariance) = given.centre;
@@ -84,7 +83,7 @@ fn by_pixels(
     room: &mut Workspace,
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
-    let given = given_perspective(fitted, &BoardPerspective::exact(ring.shape.perspective))?;
+    let given = given_perspective(fitted, ring.shape.perspective)?;
     let start = RingModel {
         shape: Shape {
             centre: given.centre.0,

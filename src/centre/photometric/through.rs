@@ -81,45 +81,55 @@ impl Through {
         camera: &Camera,
         fan: Fan,
     ) -> Option<Self> {
-        let mut map = start(rings, camera, fan)?;
-        let mut covariance = DMatrix::zeros(0, 0);
-        for _ in 0..STEPS.0 {
-            let (normal, right) = by_centres(&map, rings)?;
-            let factor = normal.cholesky()?;
-            let step = factor.solve(&right);
-            map = map.moved(&step);
-            covariance = factor.inverse();
-            if step.dot(&right) < SETTLED {
-                break;
-            }
-        }
+        let map = start(rings, camera, fan)?;
+        let (map, covariance) = settled(map, STEPS.0, |map| by_centres(map, rings))?;
         // perspectives change so nearly linearly that their derivatives are taken once
         let by_map = perspectives_by_map(&map, &covariance, rings, outer_radius_m)?;
         let mut shown = Vec::new();
-        for _ in 0..STEPS.1 {
-            shown = show(&map, &by_map, rings, outer_radius_m)?;
-            let (normal, right) = by_rings(&map, &shown, rings)?;
-            let factor = normal.cholesky()?;
-            let step = factor.solve(&right);
-            map = map.moved(&step);
-            covariance = factor.inverse();
-            if step.dot(&right) < SETTLED {
-                break;
-            }
-        }
+        let (map, covariance) = settled(map, STEPS.1, |map| {
+            shown = show(map, &by_map, rings, outer_radius_m)?;
+            by_rings(map, &shown, rings)
+        })?;
         if !map.lens().iter().all(|v| v.is_finite()) {
             return None;
         }
         let pairs = shown.iter().zip(rings);
         let said = pairs.map(|(shown, ring)| shown.said(&map, &covariance, ring, outer_radius_m));
         let perspectives = said.collect::<Option<Vec<_>>>()?;
+        let pairs = rings.iter().zip(&perspectives);
+        let off: Vec<(f64, f64)> = pairs
+            .map(|(ring, said)| {
+                let centre = off(&map, ring, &said.perspective)?;
+                Some((centre, ring.contradicts(said)?))
+            })
+            .collect::<Option<_>>()?;
         Some(Self {
-            misfit: misfit(&map, rings, &perspectives)?,
-            cost: cost(&map, rings, &perspectives)?,
+            misfit: misfit(&map, &off)?,
+            cost: cost(&off),
             map,
             perspectives,
         })
     }
+}
+
+/// A map after Gauss-Newton steps, so many at most, and the covariance of its parameters, for the normal equations of a map.
+fn settled(
+    mut map: LensMap,
+    steps: usize,
+    mut equations: impl FnMut(&LensMap) -> Option<(DMatrix<f64>, DVector<f64>)>,
+) -> Option<(LensMap, DMatrix<f64>)> {
+    let mut last = None;
+    for _ in 0..steps {
+        let (normal, right) = equations(&map)?;
+        let factor = normal.cholesky()?;
+        let step = factor.solve(&right);
+        map = map.moved(&step);
+        last = Some(factor);
+        if step.dot(&right) < SETTLED {
+            break;
+        }
+    }
+    Some((map, last?.inverse()))
 }
 
 /// A homography through the centres, before a lens that does nothing yet.
@@ -256,11 +266,9 @@ fn off(map: &LensMap, ring: &Sighting, perspective: &Vector2<f64>) -> Option<f64
     Some(missing.dot(&(ring.given.try_inverse()? * missing)))
 }
 
-/// By the median, for one ring that is none must not say that the map is wrong.
-fn misfit(map: &LensMap, rings: &[Sighting], said: &[BoardPerspective]) -> Option<f64> {
-    let pairs = rings.iter().zip(said);
-    let squares = pairs.map(|(ring, said)| off(map, ring, &said.perspective));
-    let mut squares = squares.collect::<Option<Vec<f64>>>()?;
+/// By the median of the centres, for one ring that is none must not say that the map is wrong.
+fn misfit(map: &LensMap, off: &[(f64, f64)]) -> Option<f64> {
+    let mut squares: Vec<f64> = off.iter().map(|(centre, _)| *centre).collect();
     squares.sort_by(f64::total_cmp);
     let measured = 2.0 * squares.len() as f64;
     let deviations = (measured - map.parameters() as f64).max(1.0);
@@ -268,13 +276,11 @@ fn misfit(map: &LensMap, rings: &[Sighting], said: &[BoardPerspective]) -> Optio
 }
 
 /// What centres and perspectives are off the map, in standard deviations squared; those far off count less.
-fn cost(map: &LensMap, rings: &[Sighting], said: &[BoardPerspective]) -> Option<f64> {
-    let pairs = rings.iter().zip(said);
-    let costs = pairs.map(|(ring, said)| {
-        let (centre, perspective) = (off(map, ring, &said.perspective)?, ring.contradicts(said)?);
-        Some(robust(centre) * centre + robust(perspective) * perspective)
-    });
-    costs.sum()
+fn cost(off: &[(f64, f64)]) -> f64 {
+    let weighed = |square: f64| robust(square) * square;
+    off.iter()
+        .map(|(centre, perspective)| weighed(*centre) + weighed(*perspective))
+        .sum()
 }
 
 /// The weight of what is off by so many standard deviations squared.

@@ -6,6 +6,7 @@
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
 use super::around::around;
+use super::bent::Bent;
 use super::blur::Psf;
 use super::border::mend;
 use super::choice::PsfChoice;
@@ -159,31 +160,42 @@ struct Shared {
     /// The centres of those that were measured.
     centres: Vec<CentreAndCovariance>,
     map: Option<LensMap>,
-    /// What the lens's bends do is taken off the centres already.
+    /// What its bends do to each ring of the board.
+    bent: Vec<Option<Bent>>,
+    /// That is taken off the centres already.
     straight: bool,
 }
 
 /// The centres of the rings that were measured, with the perspective they share, and the map through them.
 fn share(board: &BoardStart, rings: &[Under], camera: &Camera) -> Shared {
+    let size = (board.outer_radius_m, board.ratio);
     let measured = rings.iter().zip(board.places);
     let (fitted, places): (Vec<RingFitted>, Vec<_>) = measured
         .filter_map(|(ring, place)| Some((ring.fitted.ok()?, place.plane_m)))
         .unzip();
-    let share = |fitted: &[RingFitted], straight| {
-        let (centres, map) = share_perspective(fitted, &places, board.outer_radius_m, camera);
-        Shared {
-            centres,
-            map,
-            straight,
-        }
+    let share = |fitted: &[RingFitted]| share_perspective(fitted, &places, size.0, camera);
+    let (centres, map) = share(&fitted);
+    let mut shared = Shared {
+        centres,
+        map,
+        bent: vec![None; rings.len()],
+        straight: false,
     };
-    let bent = share(&fitted, false);
-    let size = (board.outer_radius_m, board.ratio);
-    let map = bent.map.as_ref();
-    match map.and_then(|map| unbent(&fitted, &places, map, size)) {
-        Some(straight) => share(&straight, true),
-        None => bent,
+    let Some(map) = map else {
+        return shared;
+    };
+    let bent = board.places.par_iter();
+    shared.bent = bent.map(|place| map.bent(place.plane_m, size)).collect();
+    let measured = rings.iter().zip(&shared.bent);
+    let bent: Vec<_> = measured
+        .filter(|(ring, _)| ring.fitted.is_ok())
+        .map(|(_, bent)| *bent)
+        .collect();
+    if let Some(straight) = unbent(&fitted, (&places, &bent), &map, size) {
+        (shared.centres, shared.map) = share(&straight);
+        shared.straight = true;
     }
+    shared
 }
 
 /// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
@@ -192,28 +204,27 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
     let Shared {
         centres,
         map,
+        bent,
         straight,
     } = share(board, &rings, camera);
     if let Some(map) = map.filter(|_| centres.len() < rings.len()) {
         fit_given(board, &mut rings, &map);
     }
-    let windows = rings.iter().zip(board.places).map(|(ring, place)| {
+    let windows = rings.iter().zip(&bent).map(|(ring, bent)| {
         let grid = ring.window.as_ref().map(|window| window.grid);
-        let bends = map.and_then(|map| map.bends(place.plane_m, board.outer_radius_m));
-        (grid, bends.unwrap_or_default())
+        (grid, bent.map_or(0.0, |bent| bent.beside_px))
     });
     let keep = worth_keeping(&windows.collect::<Vec<_>>());
     let out_of_round = out_of_round(board.ratio, &rings);
     let mut shared = centres.into_iter();
-    let rings = rings.into_iter().zip(keep).zip(board.places);
-    let measured = rings.map(|((ring, keep), place)| {
+    let rings = rings.into_iter().zip(keep).zip(bent);
+    let measured = rings.map(|((ring, keep), bent)| {
         let alone = ring.given;
         let fitted = ring.fitted?;
         let own = (fitted.model.shape.centre, fitted.centre_covariance());
         let next = if alone { Some(own) } else { shared.next() };
         let (mut centre, mut covariance) = next.unwrap_or(own);
-        let moved = map.and_then(|map| map.bent(place.plane_m, board.outer_radius_m, board.ratio));
-        let moved = moved.unwrap_or_default();
+        let moved = bent.map(|bent| bent.moved()).unwrap_or_default();
         if alone || !straight {
             centre -= moved;
         }

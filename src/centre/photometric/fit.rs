@@ -4,12 +4,12 @@
 //! blur, the next ones are made with the derivatives that are there, as long as the steps shrink.
 
 use super::equations::{freeze, shape_of_inverse, solved};
-use super::fitted::{AFFINE, FitError, RingFitted};
+use super::fitted::{FitError, RingFitted};
 use super::model::{
     BLUR, Matrix, PAPER, PARAMETERS, RING, RING_PARAMETERS, RingModel, SHEET, Vector,
 };
 use super::problem::{Normal, Problem, Workspace};
-use super::shape::SHAPE_PARAMETERS;
+use super::shape::{AFFINE, PERSPECTIVE, SHAPE_PARAMETERS};
 use super::sheet::EDGE_PARAMETERS;
 use super::wall::Wall;
 use super::window::Window;
@@ -38,9 +38,6 @@ pub(super) const BLUR_PRIOR: f64 = 1e-9;
 /// The same for the sheet's end: the light beyond, the offset (px) and the angle of an edge. As much as measurements of 0.5, 10 px and
 /// 0.3 rad uncertainty at 1 % of noise: an edge that is all but out of reach determines none of them.
 const SHEET_PRIOR: [f64; 3] = [4e-4, 1e-6, 1e-3];
-
-/// Where the perspective stands among the parameters.
-const PERSPECTIVE: usize = 5;
 
 /// What a fit knows and what it has to find.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -129,6 +126,27 @@ pub(super) fn fit_roughly(
     }
 }
 
+/// A fit that ends where a step would lower the sum of squares by less than `close`, whatever the noise: of a picture that has none.
+///
+/// # Errors
+/// [`FitError`] where the pixels determine no ring or the fit does not settle.
+pub(super) fn fit_closely(
+    known: &Known,
+    start: &RingModel,
+    close: f64,
+    room: &mut Workspace,
+) -> Result<RingFitted, FitError> {
+    let problem = Problem {
+        window: known.window,
+        ratio: known.ratio,
+        around: known.around,
+        noise: 0.0,
+    };
+    let mut fit = Fit::begin(&problem, start, known.given, room)?;
+    fit.least_gain = close;
+    fit.descend((STEPS, LAST_STEP))
+}
+
 /// A fit under way.
 struct Fit<'a, 'b> {
     problem: &'b Problem<'a>,
@@ -142,6 +160,8 @@ struct Fit<'a, 'b> {
     failed: bool,
     given: Given,
     pixels: usize,
+    /// A step that gains less is the last.
+    least_gain: f64,
 }
 
 impl<'a, 'b> Fit<'a, 'b> {
@@ -181,6 +201,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             failed: false,
             given,
             pixels,
+            least_gain: 0.0,
         })
     }
 
@@ -196,7 +217,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         for _ in 0..steps {
             let step = self.step().ok_or(FitError::Undetermined)?;
             let gain = step.dot(&self.normal.gradient);
-            let settled = gain < last * self.variance().max(LEAST_VARIANCE);
+            let settled = gain < (last * self.variance().max(LEAST_VARIANCE)).max(self.least_gain);
             if settled && self.damping > 0.0 && !undamped {
                 // damping hides how far it still is along what the pixels hardly determine
                 (self.damping, undamped) = (0.0, true);

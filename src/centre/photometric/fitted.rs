@@ -1,11 +1,8 @@
 //! A fitted ring, or why there is none.
 
 use super::model::RingModel;
-use super::shape::SHAPE_PARAMETERS;
+use super::shape::{AFFINE, SHAPE_PARAMETERS};
 use nalgebra::{Matrix2, SMatrix, SVector, Vector3};
-
-/// Where the affine shape stands among the parameters.
-pub(super) const AFFINE: usize = 2;
 
 /// A fitted ring.
 #[derive(Debug, Clone, Copy, PartialEq)]

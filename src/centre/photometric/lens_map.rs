@@ -9,7 +9,7 @@
 //! with one period around the circle is -a^2 g.e, g_i = -(sum_j K_i,jj + 2 sum_j K_j,ij) / 8. (For a homography that is
 //! all; a lens adds a part with three periods, which no parameter of a ring resembles.)
 
-use super::bent::{bends, bent};
+use super::bent::Bent;
 use super::fan::Fan;
 use super::shape::Shape;
 use crate::camera::homography::apply;
@@ -132,19 +132,10 @@ impl LensMap {
         shape_under(|d| self.place(plane_m + d * radius_m))
     }
 
-    /// What the lens's bends move its fit by, px.
-    pub(super) fn bent(
-        &self,
-        plane_m: Point2<f64>,
-        radius_m: f64,
-        ratio: f64,
-    ) -> Option<Vector2<f64>> {
-        bent(|d| self.place(plane_m + d * radius_m), ratio)
-    }
-
-    /// How far its outline is bent beside that of a ring in perspective, px.
-    pub(super) fn bends(&self, plane_m: Point2<f64>, radius_m: f64) -> Option<f64> {
-        bends(|d| self.place(plane_m + d * radius_m))
+    /// What the lens's bends do to the ring of this size (outer radius, m; inner over outer radius) there.
+    pub(super) fn bent(&self, plane_m: Point2<f64>, size: (f64, f64)) -> Option<Bent> {
+        let (outer_radius_m, ratio) = size;
+        Bent::of(&|d| self.place(plane_m + d * outer_radius_m), ratio)
     }
 }
 

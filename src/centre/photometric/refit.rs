@@ -1,7 +1,7 @@
 //! Rings of a view fitted again, their shapes known from elsewhere.
 
 use super::around::around;
-use super::bent::bends;
+use super::bent::{Bent, Image};
 use super::fit::{Given, Known};
 use super::fitted::RingFitted;
 use super::kept::{KeptRing, KeptWindow};
@@ -9,7 +9,7 @@ use super::law::{CentreAndCovariance, given_perspective};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::Shape;
-use super::straight::{Image, found_of_bent, straighten};
+use super::straight::{found_of_bent, straighten};
 use nalgebra::{Matrix2, Point2, Vector2};
 use rayon::prelude::*;
 
@@ -47,11 +47,12 @@ pub fn refit(
         .enumerate()
         .map_init(Workspace::default, |room, (i, ring)| {
             let image = |d| image(i, d);
+            let bent = Bent::beside(ring.shape, &image, ratio)?;
             let (centre, covariance) = match &ring.kept.window {
                 Some(window) => by_pixels(ring, window, (ratio, image), (i, &models), room),
-                None => by_fit(ring, ratio, image, room),
+                None => by_fit(ring, (ratio, &bent), image, room),
             }?;
-            let unsure = UNSURE * bends(image).unwrap_or_default();
+            let unsure = UNSURE * bent.beside_px;
             Some((centre, covariance + Matrix2::identity() * unsure * unsure))
         })
         .collect()
@@ -61,12 +62,12 @@ pub fn refit(
 /// held against the one that is found of the bent ring and not against the ring's own.
 fn by_fit(
     ring: &KnownRing,
-    ratio: f64,
+    (ratio, bent): (f64, &Bent),
     image: impl Image,
     room: &mut Workspace,
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
-    let found = found_of_bent(&fitted.model, &ring.shape, image, ratio, room)?;
+    let found = found_of_bent(fitted, bent, image, ratio, room)?;
     let given = given_perspective(fitted, found.perspective)?;
     let unexplained = given.off * fitted.noise.powi(2) / (fitted.pixels as f64);
     let believed = given.is_near() || unexplained.sqrt() < BENT * contrast(fitted);

@@ -7,10 +7,11 @@
 
 use super::around::around;
 use super::fit::{Given, Known};
-use super::fitted::{AFFINE, RingFitted};
+use super::fitted::RingFitted;
 use super::jury::median;
 use super::model::RingModel;
 use super::problem::Workspace;
+use super::shape::AFFINE;
 use super::shape::Shape;
 use super::under::Under;
 use super::window::Window;

@@ -10,6 +10,9 @@ use nalgebra::{Matrix2, Point2, Vector2};
 
 /// Parameters of a shape, in the order of `Shape::parameters`.
 pub const SHAPE_PARAMETERS: usize = 7;
+/// Where the affine form stands among them, and the perspective.
+pub(super) const AFFINE: usize = 2;
+pub(super) const PERSPECTIVE: usize = 5;
 
 /// Most of the way from a ring's centre to its plane's horizon that its outer circle may reach. A board held so close that its
 /// rings look like that shows no board; a fit that was led there lays an outline through the whole frame.

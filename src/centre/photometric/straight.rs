@@ -5,10 +5,11 @@
 //! the model, and what they differ by is taken off the pixels. Of a ring without pixels the picture with the bent outlines is fitted, and
 //! where that ends is what the bends have moved it by. (`bent` says the same for curves alone: without a blur that mixes the two.)
 
-use super::bent::laid;
+use super::bent::{Bent, Image};
 use super::blur::{Blur, Psf};
 use super::boundary::{Node, trace};
-use super::fit::{Given, Known};
+use super::fit::{Given, Known, fit_closely};
+use super::fitted::RingFitted;
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::rows::light;
@@ -23,14 +24,12 @@ use std::f64::consts::TAU;
 const ACROSS: f64 = 40.0;
 /// Such a picture reaches so many sigmas beyond the ring.
 const MARGIN_SIGMAS: f64 = 3.0;
+/// A picture is fitted until a step would gain less than this, in variances of the noise that the ring itself has.
+const CLOSE: f64 = 0.01;
 /// Fewest and most nodes of an outline.
 const NODES: (f64, f64) = (24.0, 4000.0);
 /// Half the turn (rad) over which the direction of a curve is taken.
 const TURN: f64 = 1e-4;
-
-/// Where a camera sees a place about a ring's centre, in outer radii.
-pub(super) trait Image: Fn(Vector2<f64>) -> Option<Point2<f64>> {}
-impl<F: Fn(Vector2<f64>) -> Option<Point2<f64>>> Image for F {}
 
 /// Takes what the lens's bends do out of the pixels of a ring: what is left is the ring of `model` with its centre at that of `image`,
 /// and its perspective. `None` where it has no image.
@@ -41,7 +40,8 @@ pub(super) fn straighten(
     ratio: f64,
     room: &mut Workspace,
 ) -> Option<()> {
-    let (grid, shape) = (window.grid, laid_about(&model.shape, &image, ratio)?);
+    let grid = window.grid;
+    let shape = Bent::beside(model.shape, &image, ratio)?.as_large();
     let model = RingModel {
         shape,
         blur: soft(&model.blur, &grid),
@@ -60,21 +60,21 @@ pub(super) fn straighten(
     Some(())
 }
 
-/// The shape that a free fit finds of a bent ring of this light and blur: `shape` is the ring without its bends. `None` where it
-/// has no image.
+/// The shape that a free fit finds of a ring of this light and blur that is bent so; `None` where it has no image.
 pub(super) fn found_of_bent(
-    fitted: &RingModel,
-    shape: &Shape,
+    fitted: &RingFitted,
+    bent: &Bent,
     image: impl Image,
     ratio: f64,
     room: &mut Workspace,
 ) -> Option<Shape> {
-    let mut window = Window::blank(grid_about(shape, &fitted.blur)?);
+    let light = fitted.model;
+    let mut window = Window::blank(grid_about(&bent.straight, &light.blur)?);
     let grid = window.grid;
     let model = RingModel {
-        shape: laid_about(shape, &image, ratio)?,
-        blur: soft(&fitted.blur, &grid),
-        ..*fitted
+        shape: bent.as_large(),
+        blur: soft(&light.blur, &grid),
+        ..light
     };
     window.values = picture_of_bent(&grid, &model, image, ratio, room)?;
     let known = Known {
@@ -83,16 +83,8 @@ pub(super) fn found_of_bent(
         around: None,
         given: Given::NearStart,
     };
-    let again = known.fit_with(&model, model.blur.psf, room).ok()?;
-    Some(again.model.shape)
-}
-
-/// As large as a fit makes it: what is left beside its curves has no part that a window's pixels could take for a move.
-fn laid_about(shape: &Shape, image: &impl Image, ratio: f64) -> Option<Shape> {
-    Some(Shape {
-        centre: shape.centre,
-        ..laid(image, shape, ratio)?
-    })
+    let close = CLOSE * fitted.noise.powi(2);
+    Some(fit_closely(&known, &model, close, room).ok()?.model.shape)
 }
 
 /// The picture of a ring with the levels of `model` and bent outlines, in padded rows.

@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn a_bend_moves_the_fit_and_more_so_for_larger_rings() {
         let bend = |radius_px: f64| {
-            let map = |d| {
+            let map = |d: Vector2<f64>| {
                 let at = Vector2::new(500.0, 300.0) + d * radius_px;
                 Some(Point2::from(at * (1.0 - 1e-6 * at.norm_squared())))
             };

@@ -69,6 +69,7 @@ impl<E: BlurredEdge> WithSimd for Draw<'_, E> {
     fn with_simd<S: Simd>(self, simd: S) {
         let stride = self.grid.stride();
         let (circle, reach) = (self.edge.circle(), self.edge.reach());
+        let beyond = (LONGER * reach).powi(2);
         for row in circle.rows(f64::from(reach)) {
             let span = row * stride..(row + 1) * stride;
             let values = S::as_mut_simd_f32s(&mut self.values[span.clone()]).0;
@@ -79,10 +80,11 @@ impl<E: BlurredEdge> WithSimd for Draw<'_, E> {
             for (v, out) in values.iter_mut().enumerate() {
                 let way = circle.way(circle.about_centre(columns(simd, v), row));
                 let sum = Floats::new(simd, *out);
-                if way.long.smallest() > LONGER * reach {
+                let way_square = way.signed_square();
+                if way_square.smallest() > beyond {
                     continue;
                 }
-                if way.long.largest() < -LONGER * reach {
+                if way_square.largest() < -beyond {
                     *out = (sum + 1.0).values;
                     continue;
                 }

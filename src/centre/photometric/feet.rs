@@ -3,7 +3,6 @@
 //! Q (`shape`) is quadratic along any ray, so that the way to its zero is known. The first ray follows the gradient at the pixel, the second the
 //! one where the first arrives.
 
-use super::boundary::by_shape;
 use super::real::Real;
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
@@ -11,6 +10,9 @@ use std::ops::Range;
 
 /// How much of what it is at an ellipse's vertex the gradient may be elsewhere on the edge: perspective takes something off.
 const LEAST_CLIMB: f64 = 0.3;
+/// No way from a pixel that sees the edge is longer, major semi-axes. Far from a narrow ellipse the gradient may lead past it, and the way
+/// back to the edge has no end.
+const LONGEST_WAY: f64 = 3.0;
 /// The least of a squared root that is divided by.
 const TINY: f32 = 1e-12;
 
@@ -31,6 +33,7 @@ pub(super) struct Circle {
     height: usize,
     /// Half of Q's gradient is no less anywhere on the edge.
     least_climb: f32,
+    longest_way: f32,
     /// The smaller semi-axis.
     pub(super) minor: f64,
     /// Its curvature where it bends most.
@@ -61,6 +64,7 @@ impl Circle {
             half_height: (major * sin).hypot(minor * cos),
             height: grid.height,
             least_climb: (LEAST_CLIMB * radius * radius / major) as f32,
+            longest_way: (LONGEST_WAY * major) as f32,
             minor,
             most_bent: major / (minor * minor),
         })
@@ -80,7 +84,8 @@ impl Circle {
         [column - self.centre[0], column.like(y)]
     }
 
-    /// The first way to the edge of pixels (about the ring's centre): it is no shorter than the distance, negative inside.
+    /// The first way to the edge of pixels (about the ring's centre): it is no shorter than the distance, negative inside. With g half of the
+    /// gradient and t the way in steps of g, `Q - 2 t g^2 + t^2 g^T N g` vanishes.
     #[inline(always)]
     pub(super) fn way<T: Real>(&self, [x, y]: [T; 2]) -> Way<T> {
         let gradient = self.half_gradient([x, y]);
@@ -88,40 +93,41 @@ impl Circle {
         let [lx, ly] = self.linear;
         let q = (gx + lx).times(x, (gy + ly).times(y, x.like(-self.square)));
         let square = gx.times(gx, gy * gy).at_least(TINY);
-        let length = square.sqrt();
-        let over = x.like(1.0) / length;
-        let normal = [gx * over, gy * over];
-        let bend = self.bend(normal);
-        let root = (square - q * bend).at_least(0.0).sqrt();
+        let root = square.times(square, -(q * self.bend(gradient)));
         Way {
             at: [x, y],
             q,
             gradient,
-            normal,
-            long: q / (length + root),
+            steps: q / (square + root.at_least(0.0).sqrt()),
+            square,
         }
     }
 
-    /// Where the way to the edge ends.
+    /// Where the way to the edge ends: along f, half of the gradient where the first way ends.
     #[inline(always)]
     pub(super) fn foot<T: Real>(&self, way: &Way<T>) -> Foot<T> {
-        let ([gx, gy], [ux, uy]) = (way.gradient, way.normal);
+        let [gx, gy] = way.gradient;
         let [xx, xy, yy] = self.form;
-        let fx = gx - way.long * (ux * xx + uy * xy);
-        let fy = gy - way.long * (ux * xy + uy * yy);
-        let over = fx.like(1.0) / fx.times(fx, fy * fy).at_least(TINY).sqrt();
+        let fx = gx - way.steps * (gx * xx + gy * xy);
+        let fy = gy - way.steps * (gx * xy + gy * yy);
+        let square = fx.times(fx, fy * fy).at_least(TINY);
+        let climb = gx.times(fx, gy * fy);
+        let bend = self.bend([fx, fy]);
+        // a ray from far beyond may miss the edge, but the gradient on the edge is no less than that
+        let least = square * (self.least_climb * self.least_climb);
+        let root = climb.times(climb, -(way.q * bend)).larger(least).sqrt();
+        // one quotient gives the reciprocals of f's length and of the root
+        let length = square.sqrt();
+        let both = fx.like(1.0) / (length * root);
+        let (over, scale) = (both * root, both * square);
         let (ux, uy) = (fx * over, fy * over);
-        let bend = self.bend([ux, uy]);
-        let climb = gx.times(ux, gy * uy);
-        let root = climb.times(climb, -(way.q * bend)).at_least(TINY).sqrt();
-        let scale = root.like(1.0) / root;
         Foot {
             at: way.at,
             // the gradient of a far pixel may lead past the circle
-            distance: way.q / (climb + root).at_least(1e-6),
+            distance: way.q * length / (climb + root).larger(length * 1e-6),
             normal: [ux, uy],
             curvature: self.bend([-uy, ux]) * scale,
-            along: bend * scale,
+            along: bend * over * over * scale,
             across: ((ux * ux - uy * uy) * xy + ux * uy * (yy - xx)) * scale,
         }
     }
@@ -140,36 +146,29 @@ impl Circle {
         ux * ux * xx + ux * uy * (2.0 * xy) + uy * uy * yy
     }
 
-    /// What a slope at a place of the edge (pixels of the grid about the ring's centre) makes of each parameter's movement of it.
+    /// Half of Q's gradient along a normal at a place of the edge. Deep inside the foot may be anywhere, but the edge is on the edge.
     #[inline(always)]
-    fn swept<T: Real>(&self, at: [T; 2], normal: [T; 2], slope: T) -> [T; SHAPE_PARAMETERS] {
+    fn climb<T: Real>(&self, at: [T; 2], normal: [T; 2]) -> T {
         let [gx, gy] = self.half_gradient(at);
-        // deep inside the foot may be anywhere, but the edge is on the edge
-        let climb = gx.times(normal[0], gy * normal[1]);
-        let climb = climb.at_least(self.least_climb);
-        let share = -(slope / (climb + climb));
-        let affine = self.shape.affine.map(|v| slope.like(v as f32));
-        let q = self.shape.perspective;
-        let q = [slope.like(q.x as f32), slope.like(q.y as f32)];
-        let squares = slope.like((2.0 * self.radius * self.radius) as f32);
-        let at = [at[0] * self.pixel_px, at[1] * self.pixel_px];
-        // not by `map`, which is not inlined
-        let mut all = by_shape(affine, q, squares, at);
-        for by in &mut all {
-            *by = share * *by;
-        }
-        all
+        gx.times(normal[0], gy * normal[1])
+            .at_least(self.least_climb)
+    }
+
+    /// The way to the edge, no longer than that of any pixel which sees it.
+    #[inline(always)]
+    fn at_most_across<T: Real>(&self, way: T) -> T {
+        way.within(-self.longest_way, self.longest_way)
     }
 
     /// The changes by the shape: the slope (by pixel) times how far each parameter moves the edge at the foot.
     #[inline(always)]
     pub(super) fn moved<T: Real>(&self, foot: &Foot<T>, slope: T) -> [T; SHAPE_PARAMETERS] {
         let [nx, ny] = foot.normal;
-        let at = [
-            foot.at[0] - foot.distance * nx,
-            foot.at[1] - foot.distance * ny,
-        ];
-        self.swept(at, foot.normal, slope)
+        let inwards = self.at_most_across(foot.distance);
+        let (x, y) = (foot.at[0] - inwards * nx, foot.at[1] - inwards * ny);
+        let share = -(slope * 0.5 / self.climb([x, y], foot.normal));
+        let (by_x, by_y) = (share * x, share * y);
+        self.by_moments(share, [by_x, by_y], [by_x * x, by_x * y, by_y * y])
     }
 
     /// The same, where two points of the edge that are `aside` from the foot stand for the arc that is seen.
@@ -182,15 +181,51 @@ impl Circle {
     ) -> [T; SHAPE_PARAMETERS] {
         let [nx, ny] = foot.normal;
         let inwards = (foot.curvature * 0.5 * aside).times(aside, foot.distance);
+        let inwards = self.at_most_across(inwards);
         let (fx, fy) = (foot.at[0] - inwards * nx, foot.at[1] - inwards * ny);
-        let half = slope * 0.5;
-        let one = self.swept([fx + aside * ny, fy - aside * nx], foot.normal, half);
-        let other = self.swept([fx - aside * ny, fy + aside * nx], foot.normal, half);
-        let mut both = one;
-        for (sum, more) in both.iter_mut().zip(other) {
-            *sum = *sum + more;
-        }
-        both
+        let (ax, ay) = (aside * ny, aside * nx);
+        let ([x, y], [u, v]) = ([fx + ax, fy - ay], [fx - ax, fy + ay]);
+        let climbs = [
+            self.climb([x, y], foot.normal),
+            self.climb([u, v], foot.normal),
+        ];
+        let share = -(slope * 0.25 / (climbs[0] * climbs[1]));
+        let (one, other) = (share * climbs[1], share * climbs[0]);
+        let (one_x, one_y, other_x, other_y) = (one * x, one * y, other * u, other * v);
+        let squares = [
+            one_x.times(x, other_x * u),
+            one_x.times(y, other_x * v),
+            one_y.times(y, other_y * v),
+        ];
+        self.by_moments(one + other, [one_x + other_x, one_y + other_y], squares)
+    }
+
+    /// The changes of Q by the shape (`by_shape`), summed over places of the edge with their shares: sums of the shares, of the shares times x
+    /// and y, and times their squares and product; pixels of the grid about the ring's centre.
+    #[inline(always)]
+    fn by_moments<T: Real>(
+        &self,
+        shares: T,
+        [x, y]: [T; 2],
+        [xx, xy, yy]: [T; 3],
+    ) -> [T; SHAPE_PARAMETERS] {
+        let (pixel, square) = (self.pixel_px, self.pixel_px * self.pixel_px);
+        let (x, y) = (x * pixel, y * pixel);
+        let (xx, xy, yy) = (xx * square, xy * square, yy * square);
+        let [nxx, nxy, nyy] = self.shape.affine.map(|v| -2.0 * v as f32);
+        let q = self.shape.perspective;
+        let (qx, qy) = (q.x as f32, q.y as f32);
+        let squares = (2.0 * self.radius * self.radius) as f32;
+        let depth = (shares - x * qx - y * qy) * squares;
+        [
+            x * nxx + y * nxy - depth * qx,
+            x * nxy + y * nyy - depth * qy,
+            xx,
+            xy + xy,
+            yy,
+            (x - xx * qx - xy * qy) * squares,
+            (y - xy * qx - yy * qy) * squares,
+        ]
     }
 }
 
@@ -199,11 +234,19 @@ impl Circle {
 pub(super) struct Way<T> {
     at: [T; 2],
     q: T,
-    /// Half of Q's gradient.
+    /// Half of Q's gradient, and its square.
     gradient: [T; 2],
-    normal: [T; 2],
-    /// How long it is, pixels of the grid.
-    pub(super) long: T,
+    square: T,
+    /// The way's length in steps of that.
+    steps: T,
+}
+
+impl<T: Real> Way<T> {
+    /// The square of its length (pixels of the grid), with the sign of its direction.
+    #[inline(always)]
+    pub(super) fn signed_square(&self) -> T {
+        self.steps * self.steps.magnitude() * self.square
+    }
 }
 
 /// Pixels, and the edge at the feet of their perpendiculars; lengths in pixels of the grid.

@@ -12,10 +12,12 @@ use super::lens_map::LensMap;
 use super::sighting::{BoardPerspective, Sighting};
 use super::through::Through;
 use crate::camera::Camera;
-use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix2xX, Point2, Vector2};
 
 /// Rings for each coefficient of the polynomial, at least.
 const RINGS_PER_COEFFICIENT: usize = 3;
+/// Terms of the polynomials that are tried: of no degree up to the third.
+const TERMS: [usize; 5] = [0, 1, 3, 6, 10];
 /// What a coefficient has to lower chi-square by: more than Akaike's 2, because the map is right for most lenses.
 const WORTH: f64 = 4.0;
 /// A ring whose own perspective is this many standard deviations off the board's is left as it is.
@@ -61,9 +63,7 @@ fn own_centre(ring: &RingFitted) -> CentreAndCovariance {
 struct Correction {
     middle: Point2<f64>,
     scale_px: f64,
-    /// Terms of the polynomial; none where the map needs no correction.
-    terms: usize,
-    /// Coefficients of both components, x first.
+    /// Coefficients, term by term that of x and that of y; none where the map needs no correction.
     coefficients: DVector<f64>,
     covariance: DMatrix<f64>,
 }
@@ -78,54 +78,65 @@ impl Correction {
             .iter()
             .map(|r| (r.centre - middle).norm())
             .fold(1.0, f64::max);
-        [0, 1, 3, 6, 10]
+        let none = Self {
+            middle,
+            scale_px,
+            coefficients: DVector::zeros(0),
+            covariance: DMatrix::zeros(0, 0),
+        };
+        let terms = TERMS.into_iter();
+        let few = |terms: &usize| terms * RINGS_PER_COEFFICIENT <= rings.len();
+        let sizes: Vec<usize> = terms.filter(few).map(|terms| 2 * terms).collect();
+        let most = none.equations(rings, known, *sizes.last()?)?;
+        sizes
             .into_iter()
-            .filter(|terms| terms * RINGS_PER_COEFFICIENT <= rings.len())
-            .filter_map(|terms| {
-                let start = Self {
-                    middle,
-                    scale_px,
-                    terms,
-                    coefficients: DVector::zeros(2 * terms),
-                    covariance: DMatrix::zeros(2 * terms, 2 * terms),
-                };
-                start.fitted(rings, known)
-            })
+            .filter_map(|size| most.solved(size))
             .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, correction)| correction)
+            .map(|(_, coefficients, covariance)| Self {
+                coefficients,
+                covariance,
+                ..none
+            })
     }
 
-    /// The correction with its coefficients, and what they cost: chi-square and the worth of the coefficients.
-    fn fitted(mut self, rings: &[Sighting], known: &[BoardPerspective]) -> Option<(f64, Self)> {
-        let size = 2 * self.terms;
-        let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        let mut total = 0.0;
+    /// Normal equations of this many coefficients.
+    fn equations(
+        &self,
+        rings: &[Sighting],
+        known: &[BoardPerspective],
+        size: usize,
+    ) -> Option<Equations> {
+        let mut sums = Equations {
+            normal: DMatrix::zeros(size, size),
+            right: DVector::zeros(size),
+            total: 0.0,
+        };
         for (ring, known) in rings.iter().zip(known) {
-            let row = self.row(&ring.centre);
             let weight = ring.of_perspective.try_inverse()?;
             let missing = ring.perspective - known.perspective;
-            let square = missing.dot(&(weight * missing));
+            let pull = weight * missing;
+            let square = missing.dot(&pull);
             // a ring that is none of this board must not choose the degree
             let trust = (OUTLIER * OUTLIER / square.max(f64::MIN_POSITIVE)).min(1.0);
-            total += trust * square;
-            if size > 0 {
-                normal += row.transpose() * weight * &row * trust;
-                right += row.transpose() * (weight * missing) * trust;
+            sums.total += trust * square;
+            let terms = self.terms(&ring.centre).into_iter().take(size / 2);
+            for (k, term) in terms.clone().enumerate() {
+                let mut part = sums.right.fixed_rows_mut::<2>(2 * k);
+                part += pull * (term * trust);
+                for (l, other) in terms.clone().enumerate() {
+                    let mut part = sums.normal.fixed_view_mut::<2, 2>(2 * k, 2 * l);
+                    part += weight * (term * other * trust);
+                }
             }
         }
-        if size > 0 {
-            self.covariance = normal.try_inverse()?;
-            self.coefficients = &self.covariance * &right;
-        }
-        let cost = total - right.dot(&self.coefficients) + WORTH * size as f64;
-        cost.is_finite().then_some((cost, self))
+        Some(sums)
     }
 
-    /// 2 x size: the polynomial's terms for both components.
-    fn row(&self, at: &Point2<f64>) -> DMatrix<f64> {
+    /// The polynomial's terms at a place of the frame.
+    fn terms(&self, at: &Point2<f64>) -> [f64; 10] {
         let p = (at - self.middle) / self.scale_px;
         let (x, y) = (p.x, p.y);
-        let all = [
+        [
             1.0,
             x,
             y,
@@ -136,25 +147,42 @@ impl Correction {
             x * x * y,
             x * y * y,
             y * y * y,
-        ];
-        let mut row = DMatrix::zeros(2, 2 * self.terms);
-        for k in 0..self.terms {
-            row[(0, k)] = all[k];
-            row[(1, self.terms + k)] = all[k];
-        }
-        row
+        ]
     }
 
     fn apply(&self, ring: &Sighting, known: &BoardPerspective) -> Option<Given> {
-        let row = self.row(&ring.centre);
-        let correction = &row * &self.coefficients;
-        let uncertain = &row * &self.covariance * row.transpose();
+        let size = self.coefficients.len();
+        let terms = self.terms(&ring.centre);
+        let row = Matrix2xX::from_fn(size, |i, k| if k % 2 == i { terms[k / 2] } else { 0.0 });
         let board = BoardPerspective {
-            perspective: known.perspective + Vector2::new(correction[0], correction[1]),
-            covariance: known.covariance + Matrix2::from_fn(|i, j| uncertain[(i, j)]),
+            perspective: known.perspective + &row * &self.coefficients,
+            covariance: known.covariance + &row * &self.covariance * row.transpose(),
             ..*known
         };
         Given::of(ring, &board)
+    }
+}
+
+/// Normal equations of a correction, and what the perspectives miss without one.
+struct Equations {
+    normal: DMatrix<f64>,
+    right: DVector<f64>,
+    total: f64,
+}
+
+impl Equations {
+    /// The first coefficients alone, with their covariance, behind what they cost: chi-square and the worth of the coefficients.
+    fn solved(&self, size: usize) -> Option<(f64, DVector<f64>, DMatrix<f64>)> {
+        let right = self.right.rows(0, size);
+        let normal = self.normal.view((0, 0), (size, size)).into_owned();
+        let covariance = if size > 0 {
+            normal.cholesky()?.inverse()
+        } else {
+            normal
+        };
+        let coefficients = &covariance * right;
+        let cost = self.total - right.dot(&coefficients) + WORTH * size as f64;
+        cost.is_finite().then_some((cost, coefficients, covariance))
     }
 }
 

@@ -14,10 +14,14 @@ use super::fan::Fan;
 use super::shape::Shape;
 use crate::camera::homography::apply;
 use crate::camera::{Camera, Distortion, Intrinsics, PlumbBob};
-use nalgebra::{DVector, Matrix2, Matrix2xX, Matrix3, Point2, Vector2};
+use nalgebra::{Matrix2, Matrix3, Point2, SMatrix, SVector, Vector2};
 
 /// Parameters of the lens: the coefficients, its axis in the frame and its pixels' shape.
 pub(super) const MOST_LENS: usize = 8;
+/// Parameters of a map: the homography's first eight entries, then the lens. Those that are not free never change.
+pub(super) const MAP: usize = 8 + MOST_LENS;
+/// Derivatives of a place or a perspective by them.
+pub(super) type ByMap = SMatrix<f64, 2, MAP>;
 
 /// A homography to the camera's normalised coordinates, followed by the camera's lens.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,13 +35,13 @@ pub(super) struct LensMap {
 }
 
 impl LensMap {
-    /// Parameters that are free: the homography's first eight entries, then the lens.
+    /// How many parameters are free.
     pub(super) fn parameters(&self) -> usize {
         8 + self.free
     }
 
     /// This map with its free parameters changed by a step.
-    pub(super) fn moved(&self, step: &DVector<f64>) -> Self {
+    pub(super) fn moved(&self, step: &SVector<f64, MAP>) -> Self {
         let mut moved = *self;
         for k in 0..8 {
             moved.homography[(k / 3, k % 3)] += step[k];
@@ -84,8 +88,8 @@ impl LensMap {
         Some(self.camera.pixel(&self.camera.distortion.distort(&ideal)))
     }
 
-    /// Derivatives of a place by the homography's first eight entries and the lens, 2 rows.
-    pub(super) fn derivatives(&self, plane_m: Point2<f64>) -> Option<Matrix2xX<f64>> {
+    /// Derivatives of a place; none by what is not free.
+    pub(super) fn derivatives(&self, plane_m: Point2<f64>) -> Option<ByMap> {
         let source = plane_m.to_homogeneous();
         let seen = self.homography * source;
         let ideal = apply(&self.homography, plane_m)?;
@@ -95,7 +99,7 @@ impl LensMap {
         let by_u = focal * self.camera.distortion.jacobian(&fanned) * self.fan.jacobian(&ideal);
         let (u, r2) = (fanned.coords, fanned.coords.norm_squared());
         let (x, y) = (u.x, u.y);
-        let mut out = Matrix2xX::zeros(self.parameters());
+        let mut out = ByMap::zeros();
         for k in 0..3 {
             let (p, e) = (source[k] / seen.z, ideal.coords * (source[k] / seen.z));
             out.fixed_view_mut::<2, 1>(0, k)

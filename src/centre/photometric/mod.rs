@@ -4,7 +4,7 @@
 //! outline -> ring      one ring: starts, fit, and the gate that decides whether to believe it
 //!            start     the window and the grey levels of a start
 //!            psf       Gaussian or disc, by likelihood
-//!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`), their sums (`gram`) and `equations`;
+//!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`), their sums (`gram`, `pull`) and `equations`;
 //!                      a `wall` keeps light from being negative
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
@@ -54,6 +54,7 @@ mod normal;
 mod plane;
 mod problem;
 mod psf;
+mod pull;
 mod real;
 mod refit;
 mod response;

@@ -7,6 +7,7 @@ use super::coverage::{Contrasts, Coverage, Plane};
 use super::fit::Known;
 use super::gram::{Gradient, Gram};
 use super::model::{Matrix, RingModel, Vector};
+use super::pull::pull;
 use super::rows::{Rows, light};
 use super::shape::Shape;
 use super::window::{Grid, Window};
@@ -101,6 +102,9 @@ impl Workspace {
         problem: &Problem,
         model: &RingModel,
     ) -> Option<(Vector, f64)> {
+        if model.sheet.is_none() && problem.window.censored.is_empty() {
+            return self.plain_gradient(problem, model);
+        }
         self.dispatch(
             #[inline(always)]
             |room| {
@@ -111,6 +115,22 @@ impl Workspace {
                 squares.is_finite().then_some((gradient, squares))
             },
         )
+    }
+
+    /// The same, where every pixel that counts shows the ring and its paper alone.
+    fn plain_gradient(&mut self, problem: &Problem, model: &RingModel) -> Option<(Vector, f64)> {
+        let grid = &problem.window.grid;
+        let ring = (&model.shape, &model.blur);
+        self.dispatch(
+            #[inline(always)]
+            |room| {
+                let (ratio, around) = (problem.ratio, problem.around);
+                room.coverage.fill(grid, ring, ratio, None, around)
+            },
+        )?;
+        self.residuals.resize(grid.stride() * grid.height, 0.0);
+        let (gradient, squares) = pull(model, problem.window, &self.coverage, &mut self.residuals);
+        squares.is_finite().then_some((gradient, squares))
     }
 
     /// Computes the coverages, with their changes for these contrasts, and calls `visit` with the derivatives and residuals of all rows, a few at a time.

@@ -15,6 +15,9 @@ use super::start::levels;
 /// The disc is tried from these radii, in standard deviations of the fitted Gaussian. Its own is 2; larger discs look sharper
 /// to a Gaussian, because they invert the inner circle's contrast.
 const DISC_STARTS: [f64; 4] = [1.7, 2.0, 2.4, 3.0];
+/// Which of them is a Gaussian's own, the only one where sigma is less than this part of the inner minor semi-axis: no contrast is inverted there.
+const OWN: usize = 1;
+const SMALL: f64 = 0.16;
 /// A smaller disc than this hardly changes with its radius, px.
 const LEAST_START_PX: f64 = 0.5;
 
@@ -90,8 +93,15 @@ impl Known<'_> {
     /// A disc from the radius that explains the window best with the start's shape.
     fn fit_disc(&self, start: &RingModel, room: &mut Workspace) -> Result<RingFitted, FitError> {
         let sigma_px = start.blur.sigma_px();
-        let (_, begin) = DISC_STARTS
-            .into_iter()
+        let inner = start.shape.ellipse(self.ratio);
+        let small = inner.is_some_and(|inner| sigma_px < SMALL * inner.minor);
+        let starts = if small {
+            &DISC_STARTS[OWN..=OWN]
+        } else {
+            &DISC_STARTS[..]
+        };
+        let (_, begin) = starts
+            .iter()
             .filter_map(|radius| {
                 let blur = Blur::disc((radius * sigma_px).max(LEAST_START_PX));
                 levels(self.window, &start.shape, &blur, self.ratio, room)

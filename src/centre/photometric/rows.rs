@@ -112,7 +112,7 @@ pub(super) fn light(
 
 /// Levels and shading of a model along one row.
 #[derive(Clone, Copy)]
-struct Lit {
+pub(super) struct Lit {
     paper: f32,
     dark: f32,
     light: f32,
@@ -121,11 +121,11 @@ struct Lit {
     /// The shading at the first column and its slope.
     shade: [f32; 2],
     /// What the shading's parameters are multiplied with: across at the first column, its slope, down.
-    place: [f32; 3],
+    pub(super) place: [f32; 3],
 }
 
 impl Lit {
-    fn new(model: &RingModel, grid: &Grid, row: usize) -> Self {
+    pub(super) fn new(model: &RingModel, grid: &Grid, row: usize) -> Self {
         let width = grid.width as f64;
         let v = (row as f64 - 0.5 * (grid.height as f64 - 1.0)) / width;
         let u0 = -0.5 * (width - 1.0) / width;
@@ -147,13 +147,13 @@ impl Lit {
 
     /// The light without shading.
     #[inline(always)]
-    fn flat<T: Real>(&self, [outer, inner]: [T; 2], missing: Option<T>) -> T {
+    pub(super) fn flat<T: Real>(&self, [outer, inner]: [T; 2], missing: Option<T>) -> T {
         let lit = outer * self.dark + inner * self.light + self.paper;
         missing.map_or(lit, |missing| lit + missing * self.beyond)
     }
 
     #[inline(always)]
-    fn shade<T: Real>(&self, column: T) -> T {
+    pub(super) fn shade<T: Real>(&self, column: T) -> T {
         column * self.shade[1] + self.shade[0]
     }
 }

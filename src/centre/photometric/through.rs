@@ -14,11 +14,11 @@
 //! deviations.)
 
 use super::fan::Fan;
-use super::lens_map::{LensMap, MOST_LENS};
+use super::lens_map::{ByMap, LensMap, MAP, MOST_LENS};
 use super::sighting::{BoardPerspective, Sighting};
 use crate::camera::Camera;
 use crate::camera::homography::fit_homography;
-use nalgebra::{DMatrix, DVector, Matrix2xX, Vector2};
+use nalgebra::{SMatrix, SVector, Vector2};
 use rayon::prelude::*;
 
 /// Parameters of the lens for so many rings: radial r^2; all but r^6; all.
@@ -40,6 +40,11 @@ const FANS: [f64; 2] = [0.8, 1.6];
 /// A fan has to lower what is left by this many variances. The median can be high by chance, and the lens's polynomial undoes most of a
 /// wrong fan, but not in the corners.
 const FAN_WORTH: f64 = 20.0;
+
+/// Normal equations of a map's parameters: matrix and right side.
+type Equations = (SMatrix<f64, MAP, MAP>, SVector<f64, MAP>);
+/// Covariance of a map's parameters.
+type Covariance = SMatrix<f64, MAP, MAP>;
 
 /// A map, and the perspectives of the rings that it went through.
 #[derive(Debug, Clone, PartialEq)]
@@ -116,8 +121,8 @@ impl Through {
 fn settled(
     mut map: LensMap,
     steps: usize,
-    mut equations: impl FnMut(&LensMap) -> Option<(DMatrix<f64>, DVector<f64>)>,
-) -> Option<(LensMap, DMatrix<f64>)> {
+    mut equations: impl FnMut(&LensMap) -> Option<Equations>,
+) -> Option<(LensMap, Covariance)> {
     let mut last = None;
     for _ in 0..steps {
         let (normal, right) = equations(&map)?;
@@ -152,7 +157,7 @@ fn start(rings: &[Sighting], camera: &Camera, fan: Fan) -> Option<LensMap> {
 }
 
 /// Normal equations of the centres alone.
-fn by_centres(map: &LensMap, rings: &[Sighting]) -> Option<(DMatrix<f64>, DVector<f64>)> {
+fn by_centres(map: &LensMap, rings: &[Sighting]) -> Option<Equations> {
     let (mut normal, mut right) = prior(map);
     for ring in rings {
         let missing = ring.centre - map.place(ring.plane_m)?;
@@ -168,22 +173,21 @@ fn by_centres(map: &LensMap, rings: &[Sighting]) -> Option<(DMatrix<f64>, DVecto
 /// How the rings' perspectives change with the parameters of a map, which have this covariance.
 fn perspectives_by_map(
     map: &LensMap,
-    covariance: &DMatrix<f64>,
+    covariance: &Covariance,
     rings: &[Sighting],
     outer_radius_m: f64,
-) -> Option<Vec<Matrix2xX<f64>>> {
-    let size = map.parameters();
-    let aside: Vec<(f64, LensMap)> = (0..size)
+) -> Option<Vec<ByMap>> {
+    let aside: Vec<(f64, LensMap)> = (0..map.parameters())
         .map(|k| {
             let h = 0.1 * covariance[(k, k)].sqrt();
-            let mut step = DVector::zeros(size);
+            let mut step = SVector::zeros();
             step[k] = h;
             (h, map.moved(&step))
         })
         .collect();
     let changes = rings.par_iter().map(|ring| {
         let here = map.ring(ring.plane_m, outer_radius_m)?.perspective;
-        let mut changes = Matrix2xX::zeros(size);
+        let mut changes = ByMap::zeros();
         for (k, (h, aside)) in aside.iter().enumerate() {
             let there = aside.ring(ring.plane_m, outer_radius_m)?.perspective;
             changes.set_column(k, &((there - here) / *h));
@@ -196,15 +200,15 @@ fn perspectives_by_map(
 /// A ring as a map shows it: its perspective, and how that and `m - G q` change with the map's parameters.
 struct Shown<'a> {
     perspective: Vector2<f64>,
-    by_map: &'a Matrix2xX<f64>,
-    centre_by_map: Matrix2xX<f64>,
+    by_map: &'a ByMap,
+    centre_by_map: ByMap,
     /// What the ring's centre counts.
     weight: f64,
 }
 
 fn show<'a>(
     map: &LensMap,
-    by_map: &'a [Matrix2xX<f64>],
+    by_map: &'a [ByMap],
     rings: &[Sighting],
     outer_radius_m: f64,
 ) -> Option<Vec<Shown<'a>>> {
@@ -222,16 +226,12 @@ fn show<'a>(
 }
 
 /// Normal equations of centres and perspectives.
-fn by_rings(
-    map: &LensMap,
-    shown: &[Shown],
-    rings: &[Sighting],
-) -> Option<(DMatrix<f64>, DVector<f64>)> {
+fn by_rings(map: &LensMap, shown: &[Shown], rings: &[Sighting]) -> Option<Equations> {
     let (mut normal, mut right) = prior(map);
     for (shown, ring) in shown.iter().zip(rings) {
         let missing = ring.centre_given(&shown.perspective) - map.place(ring.plane_m)?;
         let weight = ring.given.try_inverse()? * shown.weight;
-        normal += shown.centre_by_map.tr_mul(&(weight * &shown.centre_by_map));
+        normal += shown.centre_by_map.tr_mul(&(weight * shown.centre_by_map));
         right += shown.centre_by_map.tr_mul(&(weight * missing));
         let missing = ring.perspective - shown.perspective;
         let inverse = ring.of_perspective.try_inverse()?;
@@ -247,15 +247,15 @@ impl Shown<'_> {
     fn said(
         &self,
         map: &LensMap,
-        covariance: &DMatrix<f64>,
+        covariance: &Covariance,
         ring: &Sighting,
         outer_radius_m: f64,
     ) -> Option<BoardPerspective> {
         let moves = covariance * self.by_map.transpose();
         Some(BoardPerspective {
             perspective: map.ring(ring.plane_m, outer_radius_m)?.perspective,
-            covariance: (self.by_map * &moves).fixed_view::<2, 2>(0, 0).into_owned(),
-            with_ring: (&self.centre_by_map * &moves).fixed_view::<2, 2>(0, 0) * self.weight,
+            covariance: self.by_map * moves,
+            with_ring: self.centre_by_map * moves * self.weight,
         })
     }
 }
@@ -289,11 +289,15 @@ fn robust(square: f64) -> f64 {
 }
 
 /// What is known of a lens before.
-fn prior(map: &LensMap) -> (DMatrix<f64>, DVector<f64>) {
-    let size = map.parameters();
-    let (mut normal, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
-    for (k, (value, std)) in map.lens().iter().zip(LENS_PRIOR).enumerate().take(map.free) {
-        let weight = std.powi(-2);
+fn prior(map: &LensMap) -> Equations {
+    let (mut normal, mut right) = (SMatrix::zeros(), SVector::zeros());
+    for (k, (value, std)) in map.lens().iter().zip(LENS_PRIOR).enumerate() {
+        // what is not free stays where it is
+        let (weight, value) = if k < map.free {
+            (std.powi(-2), *value)
+        } else {
+            (1.0, 0.0)
+        };
         normal[(8 + k, 8 + k)] = weight;
         right[8 + k] = -weight * value;
     }

@@ -126,7 +126,7 @@ fn derivatives_agree_with_finite_differences() {
     for ring in rings.iter().step_by(8) {
         let rows = map.derivatives(ring.plane_m).unwrap();
         for k in 0..map.parameters() {
-            let mut step = DVector::zeros(map.parameters());
+            let mut step = SVector::zeros();
             step[k] = 1e-6;
             let there = map.moved(&step).place(ring.plane_m).unwrap();
             let back = map.moved(&-step).place(ring.plane_m).unwrap();

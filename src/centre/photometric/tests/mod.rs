@@ -213,7 +213,7 @@ fn derivatives_agree_with_finite_differences() {
                 0 | 1 => 0.05,
                 2..=4 => 5e-5,
                 5 | 6 => 2e-4,
-                _ => 0.02 * blur.size_px,
+                _ => 0.05 * blur.size_px,
             };
             let (up, down) = (moved(&grid, &blur, k, h), moved(&grid, &blur, k, -h));
             let mut told = unpadded(&grid, &room.coverage.changes[k]);

@@ -413,3 +413,27 @@ fn views_show_the_whole_board_tilted_in_many_directions() {
     let steep = views(&camera(640, 480, 420.0), &board, 3, 1.5, 0);
     assert!(matches!(steep, Err(ViewsError::Tilt { .. })));
 }
+
+#[test]
+fn views_before_a_lens_that_folds_within_the_frame_can_be_drawn() {
+    let board = grid();
+    for (k1, focal_px) in [(-0.3, 600.0), (-0.5, 600.0), (-0.2, 500.0)] {
+        // -0.3 at 600 px: no image beyond 422 px, where the frame's corners are 800 px out
+        let mut camera = camera(1280, 960, focal_px);
+        camera.distortion = PlumbBob {
+            k1,
+            ..PlumbBob::default()
+        }
+        .into();
+        for seed in 0..4 {
+            for pose in views(&camera, &board, 12, 0.6, seed).unwrap() {
+                let truth = render(&Scene::new(camera, board.clone(), pose), 0).unwrap();
+                let inside = |ring: &ringcal::simulate::RingTruth| {
+                    let p = ring.centre;
+                    p.x > 0.0 && p.y > 0.0 && p.x < 1279.0 && p.y < 959.0
+                };
+                assert!(truth.truth.rings.iter().all(inside));
+            }
+        }
+    }
+}

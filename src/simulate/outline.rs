@@ -2,6 +2,7 @@
 
 use super::defocus::Psf;
 use super::scene::{MAX_SIZE_PX, Scene, SceneError};
+use crate::board::Board;
 use nalgebra::{Point2, Vector2, Vector3};
 
 /// A smaller blur is rendered as none, px: it moves no edge and changes the grey of a pixel whose border lies on the
@@ -85,10 +86,7 @@ pub(super) fn paper(scene: &Scene) -> Result<Option<Outline>, SceneError> {
     if scene.light.margin.is_infinite() {
         return Ok(None);
     }
-    let beyond = (1.0 + scene.light.margin) * board.outer_radius_m();
-    let last = board.centre_m(board.rows() - 1, board.columns() - 1);
-    let (left, right, top, bottom) = (-beyond, last[0] + beyond, -beyond, last[1] + beyond);
-    let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+    let corners = sheet_corners_m(board, scene.light.margin);
     let mut tracer = Tracer::new(scene)?;
     tracer.closed(4, |side, t| {
         let (a, b) = (corners[side], corners[(side + 1) % 4]);
@@ -99,6 +97,14 @@ pub(super) fn paper(scene: &Scene) -> Result<Option<Outline>, SceneError> {
         }
     })?;
     Ok(Some(tracer.outline))
+}
+
+/// Corners of a sheet whose paper reaches so many outer radii beyond the outermost rings, in order round it, m.
+pub(super) fn sheet_corners_m(board: &Board, margin: f64) -> [[f64; 2]; 4] {
+    let beyond = (1.0 + margin) * board.outer_radius_m();
+    let last = board.centre_m(board.rows() - 1, board.columns() - 1);
+    let (left, right, top, bottom) = (-beyond, last[0] + beyond, -beyond, last[1] + beyond);
+    [[left, top], [right, top], [right, bottom], [left, bottom]]
 }
 
 /// A place on a curve on the board.

@@ -1,5 +1,7 @@
 //! Poses for a calibration: tilted every way, near and far, all over the frame, every ring inside it.
 
+use super::outline::sheet_corners_m;
+use super::scene::Light;
 use crate::board::Board;
 use crate::camera::{Camera, LensModel, Pose};
 use nalgebra::{Point2, Rotation3, Vector2, Vector3};
@@ -56,7 +58,7 @@ pub fn views(
     }
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let first_direction = random.random_range(0.0..TAU);
-    let outline = outline_m(board);
+    let outline = Outline::of(board);
     let place = |view: usize| {
         let direction = first_direction + GOLDEN_ANGLE * view as f64;
         // every third of the range of tilts in turn
@@ -89,7 +91,7 @@ struct Wish {
 
 impl Wish {
     /// The pose nearest to the wish at which all rings are inside the frame.
-    fn place(&self, camera: &Camera, board: &Board, outline: &[[f64; 2]]) -> Option<Pose> {
+    fn place(&self, camera: &Camera, board: &Board, outline: &Outline) -> Option<Pose> {
         let frame = Vector2::new(f64::from(camera.width), f64::from(camera.height));
         let inside = frame.add_scalar(-2.0 * MARGIN * frame.min());
         let middle = Point2::from(0.5 * frame.add_scalar(-1.0));
@@ -101,7 +103,8 @@ impl Wish {
             let free = 0.5 * (frame - self.extent_px(camera, board, outline, depth_m)?);
             let target = middle + self.offset.component_mul(&free) * pull;
             if let Some(pose) = self.towards(camera, board, &target, depth_m)
-                && fits(camera, &pose, outline)
+                && outline.rings_fit(camera, &pose)
+                && outline.sheet_has_image(camera, &pose)
             {
                 return Some(pose);
             }
@@ -147,13 +150,13 @@ impl Wish {
         &self,
         camera: &Camera,
         board: &Board,
-        outline: &[[f64; 2]],
+        outline: &Outline,
         depth_m: f64,
     ) -> Option<Vector2<f64>> {
         let pose = self.with_middle_at(board, Vector3::z() * depth_m);
         let mut low = Vector2::repeat(f64::INFINITY);
         let mut high = -low;
-        for point_m in outline {
+        for point_m in &outline.rings_m {
             let point = pose.board_to_camera(*point_m);
             if point.z <= 0.1 * depth_m {
                 return None;
@@ -171,7 +174,7 @@ impl Wish {
         &self,
         camera: &Camera,
         board: &Board,
-        outline: &[[f64; 2]],
+        outline: &Outline,
         size_px: Vector2<f64>,
     ) -> Option<f64> {
         let fits = |depth_m| {
@@ -180,6 +183,7 @@ impl Wish {
         };
         let mut near = 0.0;
         let mut far = outline
+            .rings_m
             .iter()
             .flatten()
             .fold(board.outer_radius_m(), |most, v| most.max(v.abs()));
@@ -204,41 +208,77 @@ impl Wish {
     }
 }
 
-/// Points on the outer circles of the rings at the edge of the board, m.
-fn outline_m(board: &Board) -> Vec<[f64; 2]> {
-    let radius_m = board.outer_radius_m();
-    let at_edge = |(row, column): &(u16, u16)| {
-        *row == 0 || *column == 0 || *row + 1 == board.rows() || *column + 1 == board.columns()
-    };
-    let around = |(row, column)| {
-        let [x, y] = board.centre_m(row, column);
-        (0..16).map(move |i| {
-            let (sin, cos) = (f64::from(i) * PI / 8.0).sin_cos();
-            [x + radius_m * cos, y + radius_m * sin]
-        })
-    };
-    board.indices().filter(at_edge).flat_map(around).collect()
+/// What of a board has to have an image, by points, m.
+struct Outline {
+    /// On the outer circles of the rings at the edge of the board.
+    rings_m: Vec<[f64; 2]>,
+    /// Along the edge of the sheet, with the usual margin.
+    sheet_m: Vec<[f64; 2]>,
 }
 
-/// Whether the camera sees all these points, with a margin, where its lens model is one-to-one.
-fn fits(camera: &Camera, pose: &Pose, outline: &[[f64; 2]]) -> bool {
-    let (width, height) = (f64::from(camera.width), f64::from(camera.height));
-    let margin = MARGIN * width.min(height);
-    outline.iter().all(|point_m| {
-        let point = pose.board_to_camera(*point_m);
-        if point.z <= 0.0 {
-            return false;
-        }
-        let ideal = Point2::new(point.x / point.z, point.y / point.z);
-        let one_to_one = || {
-            let jacobian = camera.distortion.jacobian(&ideal);
-            jacobian.determinant() > 0.0 && jacobian.trace() > 0.0
+/// Points on each side of the sheet: where it crosses the fold of a lens it does so over more than the gap between two.
+const SIDE_POINTS: usize = 64;
+
+impl Outline {
+    fn of(board: &Board) -> Self {
+        let radius_m = board.outer_radius_m();
+        let at_edge = |(row, column): &(u16, u16)| {
+            *row == 0 || *column == 0 || *row + 1 == board.rows() || *column + 1 == board.columns()
         };
-        camera.project(&point).is_some_and(|pixel| {
-            pixel.x >= margin
-                && pixel.y >= margin
-                && pixel.x <= width - 1.0 - margin
-                && pixel.y <= height - 1.0 - margin
-        }) && one_to_one()
-    })
+        let around = |(row, column)| {
+            let [x, y] = board.centre_m(row, column);
+            (0..16).map(move |i| {
+                let (sin, cos) = (f64::from(i) * PI / 8.0).sin_cos();
+                [x + radius_m * cos, y + radius_m * sin]
+            })
+        };
+        let corners = sheet_corners_m(board, Light::default().margin);
+        let side = |side: usize| {
+            let (a, b) = (corners[side], corners[(side + 1) % 4]);
+            (0..SIDE_POINTS).map(move |i| {
+                let t = i as f64 / SIDE_POINTS as f64;
+                [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])]
+            })
+        };
+        Self {
+            rings_m: board.indices().filter(at_edge).flat_map(around).collect(),
+            sheet_m: (0..4).flat_map(side).collect(),
+        }
+    }
+
+    /// Whether the camera sees all rings, with a margin, where its lens model is one-to-one.
+    fn rings_fit(&self, camera: &Camera, pose: &Pose) -> bool {
+        let (width, height) = (f64::from(camera.width), f64::from(camera.height));
+        let margin = MARGIN * width.min(height);
+        self.rings_m.iter().all(|point_m| {
+            one_to_one(camera, pose, *point_m).is_some_and(|pixel| {
+                pixel.x >= margin
+                    && pixel.y >= margin
+                    && pixel.x <= width - 1.0 - margin
+                    && pixel.y <= height - 1.0 - margin
+            })
+        })
+    }
+
+    /// Whether the whole sheet can be drawn, inside the frame or not: before a lens that folds over in it it cannot.
+    fn sheet_has_image(&self, camera: &Camera, pose: &Pose) -> bool {
+        let axes = pose.rotation.matrix().fixed_columns::<2>(0).into_owned();
+        self.sheet_m.iter().all(|point_m| {
+            let seen = camera.project_with_derivatives(&pose.board_to_camera(*point_m));
+            seen.is_some_and(|seen| (seen.wrt_point * axes).determinant() > 0.0)
+        })
+    }
+}
+
+/// The image of a place on the board; `None` where it has none, or where the lens model has folded over.
+fn one_to_one(camera: &Camera, pose: &Pose, point_m: [f64; 2]) -> Option<Point2<f64>> {
+    let point = pose.board_to_camera(point_m);
+    if point.z <= 0.0 {
+        return None;
+    }
+    let jacobian = camera
+        .distortion
+        .jacobian(&Point2::new(point.x / point.z, point.y / point.z));
+    let kept = jacobian.determinant() > 0.0 && jacobian.trace() > 0.0;
+    camera.project(&point).filter(|_| kept)
 }

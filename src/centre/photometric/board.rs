@@ -6,23 +6,21 @@
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
 use super::around::around;
-use super::bent::Bent;
 use super::blur::Psf;
 use super::border::mend;
 use super::choice::PsfChoice;
 use super::fit::{Given, Known};
-use super::fitted::RingFitted;
+use super::flatten::{bend_back, flatten};
 use super::joint::settle_together;
 use super::jury::verdict;
 use super::kept::{KeptRing, KeptWindow, RingMeasured, worth_keeping};
-use super::law::{CentreAndCovariance, share_perspective};
 use super::lens_map::{LensMap, blank};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
 use super::round::out_of_round;
-use super::unbent::unbent;
+use super::shared::Shared;
 use super::under::Under;
 use super::uneven::even_out;
 use super::usual::{MOST_IF_GIVEN, Usual};
@@ -34,6 +32,9 @@ use rayon::prelude::*;
 
 /// Rounds of fits while neighbours' skirts are still moving; after the first two, all rings step together before each.
 const ROUNDS: usize = 6;
+
+/// Times that bends are taken out of the pixels, each with a better map.
+const FLATTENED: usize = 2;
 
 /// What may be left of the bends in a centre although they are taken off, over what they move the ring's curves by: under blur they move a
 /// fit by up to twice that, and before a fisheye the map is not quite the lens.
@@ -120,18 +121,38 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     let camera = board
         .camera
         .unwrap_or_else(|| blank(frame.width(), frame.height()));
+    let mut shared = Shared::of(board, &rings, &camera);
+    for _ in 0..FLATTENED {
+        let standing = (board, view.as_ref());
+        if !flatten(frame, standing, &mut rings, &shared) {
+            break;
+        }
+        shared = Shared::of(board, &rings, &camera);
+    }
     let has_edge = |ring: &Under| ring.fitted.is_ok_and(|f| f.model.sheet.is_some());
+    let mut is_stale = false;
     if rings.iter().any(has_edge)
-        && let Some(map) = share(board, &rings, &camera).map
-        && mend(frame, board, &mut rings, &map)
+        && let Some(map) = &shared.map
+        && mend(frame, board, &mut rings, map)
     {
         fit_round(board, view.as_ref(), &mut rings, ROUNDS);
+        is_stale = true;
     }
     if even_out(board, &mut rings) {
         settle_together(board.ratio, &mut rings);
+        is_stale = true;
     }
-    Usual::leave_out_covered(&mut rings);
-    finish(board, verdict.psf, rings, &camera)
+    is_stale |= Usual::leave_out_covered(&mut rings);
+    let out_of_round = out_of_round(board.ratio, &rings);
+    is_stale |= bend_back(&mut rings);
+    if is_stale {
+        shared = Shared::of(board, &rings, &camera);
+    }
+    BoardMeasured {
+        psf: verdict.psf,
+        rings: finish(board, rings, shared),
+        out_of_round,
+    }
 }
 
 /// Fits all rings that have neighbours in reach (in the first round all); says whether another round may change anything.
@@ -155,58 +176,19 @@ fn fit_round(
     moved.reduce(|| false, |a, b| a || b)
 }
 
-/// What the rings of a board say together.
-struct Shared {
-    /// The centres of those that were measured.
-    centres: Vec<CentreAndCovariance>,
-    map: Option<LensMap>,
-    /// What its bends do to each ring of the board.
-    bent: Vec<Option<Bent>>,
-    /// That is taken off the centres already.
-    straight: bool,
-}
-
-/// The centres of the rings that were measured, with the perspective they share, and the map through them.
-fn share(board: &BoardStart, rings: &[Under], camera: &Camera) -> Shared {
-    let size = (board.outer_radius_m, board.ratio);
-    let measured = rings.iter().zip(board.places);
-    let (fitted, places): (Vec<RingFitted>, Vec<_>) = measured
-        .filter_map(|(ring, place)| Some((ring.fitted.ok()?, place.plane_m)))
-        .unzip();
-    let share = |fitted: &[RingFitted]| share_perspective(fitted, &places, size.0, camera);
-    let (centres, map) = share(&fitted);
-    let mut shared = Shared {
-        centres,
-        map,
-        bent: vec![None; rings.len()],
-        straight: false,
-    };
-    let Some(map) = map else {
-        return shared;
-    };
-    let bent = board.places.par_iter();
-    shared.bent = bent.map(|place| map.bent(place.plane_m, size)).collect();
-    let measured = rings.iter().zip(&shared.bent);
-    let bent: Vec<_> = measured
-        .filter(|(ring, _)| ring.fitted.is_ok())
-        .map(|(_, bent)| *bent)
-        .collect();
-    if let Some(straight) = unbent(&fitted, (&places, &bent), &map, size) {
-        (shared.centres, shared.map) = share(&straight);
-        shared.straight = true;
-    }
-    shared
-}
-
-/// Shares the perspective among the rings that were measured; those whose own pixels do not tell their shape get it from the map
+/// The rings with what they say together; those whose own pixels do not tell their shape get it from the map
 /// through the others.
-fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) -> BoardMeasured {
+fn finish(
+    board: &BoardStart,
+    mut rings: Vec<Under>,
+    shared: Shared,
+) -> Vec<Result<RingMeasured, RingError>> {
     let Shared {
         centres,
         map,
         bent,
         straight,
-    } = share(board, &rings, camera);
+    } = shared;
     if let Some(map) = map.filter(|_| centres.len() < rings.len()) {
         fit_given(board, &mut rings, &map);
     }
@@ -215,10 +197,14 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
         (grid, bent.map_or(0.0, |bent| bent.beside_px))
     });
     let keep = worth_keeping(&windows.collect::<Vec<_>>());
-    let out_of_round = out_of_round(board.ratio, &rings);
+    let windows: Vec<Option<KeptWindow>> = rings
+        .par_iter()
+        .zip(keep)
+        .map(|(ring, keep)| ring.window.as_ref().filter(|_| keep).map(KeptWindow::of))
+        .collect();
     let mut shared = centres.into_iter();
-    let rings = rings.into_iter().zip(keep).zip(bent);
-    let measured = rings.map(|((ring, keep), bent)| {
+    let rings = rings.into_iter().zip(windows).zip(bent);
+    let measured = rings.map(|((ring, window), bent)| {
         let alone = ring.given;
         let fitted = ring.fitted?;
         let own = (fitted.model.shape.centre, fitted.centre_covariance());
@@ -229,18 +215,13 @@ fn finish(board: &BoardStart, psf: Psf, mut rings: Vec<Under>, camera: &Camera) 
             centre -= moved;
         }
         covariance += moved * moved.transpose() * (BENT_LEFT * BENT_LEFT);
-        let window = ring.window.as_ref().filter(|_| keep).map(KeptWindow::of);
         Ok(RingMeasured {
             centre,
             covariance,
             kept: KeptRing { fitted, window },
         })
     });
-    BoardMeasured {
-        psf,
-        rings: measured.collect(),
-        out_of_round,
-    }
+    measured.collect()
 }
 
 /// Fits the rings that have no fit yet with the shape that the map gives them.

@@ -21,6 +21,9 @@ const STEPS: usize = 250;
 const LAST_STEP: f64 = 0.05;
 /// Steps at most of a fit that only has to show what stands around a ring, and its last one.
 const ROUGH: (usize, f64) = (8, 1.0);
+/// A fit is as certain as noise of this part of the contrast would leave it, at best: a ring whose residuals vanish by chance would rule those
+/// that the model does not describe to the last digit.
+const LEAST_NOISE: f64 = 3e-4;
 /// The model's own arithmetic is no better than this, (light at full scale 1)^2.
 const LEAST_VARIANCE: f64 = 1e-9;
 /// Damping at the start, and how it changes.
@@ -368,10 +371,13 @@ impl<'a, 'b> Fit<'a, 'b> {
         } else {
             shape_of_inverse::<PARAMETERS>(&self.matrix())
         };
-        let mut covariance = inverse.ok_or(FitError::Undetermined)? * variance;
+        let model = self.start.with_parameters(&self.parameters);
+        let least = LEAST_NOISE * (model.paper - model.ring) / self.problem.window.grid.pixel_px;
+        let certain = variance.max(least * least);
+        let mut covariance = inverse.ok_or(FitError::Undetermined)? * certain;
         self.given.held().for_each(|k| covariance[(k, k)] = 0.0);
         Ok(RingFitted {
-            model: self.start.with_parameters(&self.parameters),
+            model,
             covariance,
             noise: variance.sqrt(),
             squares: self.normal.squares,

@@ -10,7 +10,7 @@
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size (heard among `likes`), the skirts `around` each ring, what of
 //!                      the surroundings to `trust`, the steps they take together where they are crowded (`joint`, `gmres`), blur
-//!                      that is `uneven`, the perspective they share (`law`, `lens_map`), and whether their outlines are `round`
+//!                      that is `uneven`, bends that show (`flatten`), the perspective they share (`law`, `lens_map`), and whether their outlines are `round`
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
 //!
@@ -37,6 +37,7 @@ mod fan;
 mod feet;
 mod fit;
 mod fitted;
+mod flatten;
 mod gamma;
 mod gauss_edge;
 mod gaussian;
@@ -62,6 +63,7 @@ mod ring;
 mod round;
 mod rows;
 mod shape;
+mod shared;
 mod sharp;
 mod sheet;
 mod sheet_start;

@@ -15,6 +15,8 @@ const LEAST_SIGMA_PIXELS: f64 = 1.0;
 /// Edges are looked for at these distances, blur sigmas, beyond the outline; up to the window's own reach.
 const STEP_SIGMAS: f64 = 0.25;
 const REACH_SIGMAS: f64 = 3.5;
+/// The model is no better than this, of the contrast: without noise, whatever is left of a ring's bends would be taken for an edge.
+const LEAST_NOISE: f64 = 1e-3;
 /// An edge has to lower the sum of squares by this many of a pixel's variances.
 const WORTH: f64 = 30.0;
 /// A candidate is worth a fit from this on: a fit without the edge hides most of what it would explain.
@@ -50,7 +52,8 @@ pub(super) fn with_sheet(
         return None;
     }
     let mut residuals = room.residuals(known, &near.model).to_vec();
-    let variance = (near.noise * near.noise).max(f64::MIN_POSITIVE);
+    let least = LEAST_NOISE * (model.paper - model.ring).abs();
+    let variance = near.noise.max(least).powi(2);
     let mut found: Vec<Candidate> = Vec::new();
     for side in &sides {
         let normal = view.outwards(&place.plane_m, side, board.outer_radius_m)?;
@@ -70,7 +73,8 @@ pub(super) fn with_sheet(
     let mut start = near.model;
     start.sheet = Some(end);
     let fitted = known.fit_with(&start, model.blur.psf, room).ok()?;
-    (fitted.squares + WORTH * fitted.noise * fitted.noise < usual.squares).then_some(fitted)
+    let variance = fitted.noise.max(least).powi(2);
+    (fitted.squares + WORTH * variance < usual.squares).then_some(fitted)
 }
 
 /// An edge that may be there.

@@ -170,3 +170,56 @@ fn trace_bent(
     }
     Some(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::fitted::ShapeCovariance;
+    use super::super::lens_map::shape_under;
+    use super::*;
+
+    /// Steep rings are narrow ellipses, and most pixels of a coarse picture are far from their edges.
+    #[test]
+    fn a_steep_ring_that_nothing_bends_is_found_where_it_is() {
+        let mut room = Workspace::default();
+        for turn in (0..72).map(|i| TAU * f64::from(i) / 72.0) {
+            for (tilt, radius_px) in [(0.3_f64, 20.0), (0.8, 35.0), (1.0, 45.0), (1.0, 70.0)] {
+                let (s, c) = turn.sin_cos();
+                let image = |d: Vector2<f64>| {
+                    // outer radii about the ring's centre, 20 of them away from a pinhole, tilted about the direction of the turn
+                    let (along, across) = (c * d.x + s * d.y, c * d.y - s * d.x);
+                    let depth = 1.0 + across * tilt.sin() / 20.0;
+                    let (x, y) = (along / depth, across * tilt.cos() / depth);
+                    Some(Point2::new(
+                        400.3 + radius_px * (c * x - s * y),
+                        300.7 + radius_px * (s * x + c * y),
+                    ))
+                };
+                let shape = shape_under(image).unwrap();
+                let model = RingModel {
+                    shape,
+                    blur: Blur::gaussian(2.0),
+                    paper: 0.85,
+                    ring: 0.1,
+                    inside: 0.85,
+                    shading: [0.0; 2],
+                    sheet: None,
+                };
+                let fitted = RingFitted {
+                    model,
+                    covariance: ShapeCovariance::identity(),
+                    noise: 0.005,
+                    squares: 0.0,
+                    pixels: 0,
+                    darkest: 0.0,
+                };
+                let bent = Bent::beside(shape, &image, 0.5).unwrap();
+                let found = found_of_bent(&fitted, &bent, image, 0.5, &mut room);
+                let off = (found.unwrap().centre - shape.centre).norm();
+                assert!(
+                    off < 5e-3,
+                    "turn {turn}, tilt {tilt}, {radius_px} px: {off}"
+                );
+            }
+        }
+    }
+}

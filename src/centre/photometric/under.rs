@@ -4,6 +4,7 @@ use super::around::around;
 use super::board::{BoardPlace, BoardStart};
 use super::fit::{Given, Known, fit_roughly};
 use super::fitted::{FitError, RingFitted};
+use super::flatten::Bends;
 use super::jury::Verdict;
 use super::model::RingModel;
 use super::plane::PlaneView;
@@ -36,6 +37,8 @@ pub(super) struct Under {
     pub(super) whole: Option<Window>,
     /// Its shape is not its own but the map's.
     pub(super) given: bool,
+    /// What was taken out of its window because the lens bends it.
+    pub(super) bends: Option<Bends>,
 }
 
 /// A ring's place on its board, and the board's plane in the frame where that is known.
@@ -67,6 +70,7 @@ impl Under {
             masked: false,
             whole: None,
             given: false,
+            bends: None,
         }
     }
 

@@ -42,9 +42,10 @@ impl Usual {
         fitted.noise > most * usual.max(MODEL_ERROR * contrast)
     }
 
-    /// Leaves out what is no ring like the others, though a fit has settled on it.
-    pub(super) fn leave_out_covered(rings: &mut [Under]) {
+    /// Leaves out what is no ring like the others, though a fit has settled on it; says whether there was any.
+    pub(super) fn leave_out_covered(rings: &mut [Under]) -> bool {
         let usual = Self::of(rings);
+        let mut any = false;
         for ring in rings {
             let (Ok(fitted), Some(window)) = (ring.fitted, ring.window.as_ref()) else {
                 continue;
@@ -54,8 +55,10 @@ impl Usual {
             let times = fitted.noise / expected;
             if times > MOST_IF_COVERED && fitted.noise > MOST_IF_BENT * contrast {
                 ring.fitted = Err(RingError::Covered { times });
+                any = true;
             }
         }
+        any
     }
 
     /// The same of a ring; `None` where it has no fit.

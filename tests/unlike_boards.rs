@@ -168,3 +168,17 @@ fn where_blur_leaves_nothing_of_a_ring_no_board_is_claimed() {
         assert!(detect(&frame).is_err(), "{blur_px}");
     }
 }
+
+#[test]
+fn hexagons_are_not_round() {
+    let side = |at: Vector2<f64>| {
+        let (x, y) = (at.x.abs(), at.y.abs());
+        y.max(0.5 * y + 0.866 * x)
+    };
+    for (pitch_px, blur_px) in [(40.0, 1), (40.0, 2), (60.0, 2)] {
+        let frame = picture(pitch_px, blur_px, |at, _| {
+            (RATIO * 0.95 * RADIUS..0.95 * RADIUS).contains(&side(at))
+        });
+        assert!(detect(&frame).is_err(), "{pitch_px} {blur_px}");
+    }
+}

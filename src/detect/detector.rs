@@ -8,7 +8,7 @@ use super::likeness::are_the_boards;
 use super::other_size::Beside;
 use super::outermost::sure_centres;
 use super::required::Required;
-use super::ring_fit::Care;
+use super::ring_fit::{Care, RingFit};
 use super::rings::{add_drowned, find_rings};
 use super::scales::Scales;
 use super::single::find_single;
@@ -53,6 +53,22 @@ const LEAST_MEASURED: f64 = 0.5;
 const INSIDE: Range<f64> = 0.5..2.0;
 /// Blur sigma over the ring's width from which edges say so little that blur is to blame.
 const HEAVY: f64 = 0.5;
+/// The same up to which a ring shows for what it is.
+const PLAIN: f64 = 0.3;
+
+/// One polarity looked at: the rings seen, and what came of the fast way.
+struct Try {
+    sign: f64,
+    rings: Vec<RingFit>,
+    known: Option<Result<Detection, Miss>>,
+}
+
+impl Try {
+    /// How many rings show.
+    fn shows(&self) -> usize {
+        self.known.as_ref().map_or(self.rings.len(), evidence)
+    }
+}
 
 impl Detector {
     /// A detector of `board`.
@@ -107,15 +123,49 @@ impl Detector {
                 return found;
             }
         }
-        let mut grids = grids.into_iter();
-        self.best(signs, |sign| {
-            if let Some(found) = grids.next().flatten() {
+        let care = Care::of(self.options.estimator);
+        let tries = signs.iter().zip(grids).map(|(&sign, known)| {
+            scales.turn_to(sign);
+            let rings = match known {
+                Some(_) => Vec::new(),
+                None => find_rings(&mut scales, &self.board, care),
+            };
+            Try { sign, rings, known }
+        });
+        let mut tries: Vec<Try> = tries.collect();
+        // the sign that shows more rings first
+        tries.sort_by_key(|one| std::cmp::Reverse(one.shows()));
+        let shows: Vec<usize> = tries.iter().map(Try::shows).collect();
+        let turned = tries.first().is_some_and(|one| one.sign != signs[0]);
+        let mut answers = tries.into_iter().map(|one| {
+            if let Some(found) = one.known {
                 return found;
             }
-            scales.turn_to(sign);
-            let grid = self.search(&mut scales, Care::of(self.options.estimator))?;
-            self.measured(frame, grid, sign)
-        })
+            scales.turn_to(one.sign);
+            let grid = self.search(&mut scales, one.rings, care)?;
+            self.measured(frame, grid, one.sign)
+        });
+        let first = answers.next().unwrap_or(Err(Miss::NoRing));
+        let clear = shows.windows(2).all(|both| 2 * both[1] < both[0]);
+        if self.is_whole(&first) || (clear && self.is_plain(&first)) {
+            return first;
+        }
+        match answers.next() {
+            Some(second) if evidence(&second) > evidence(&first) => second,
+            // where neither is the board, the reason is that of the polarity named first
+            Some(second) if turned && first.is_err() && second.is_err() => second,
+            _ => first,
+        }
+    }
+
+    /// Whether most of the board's rings speak for a detection, in so little blur that the gaps between rings of the other polarity do not
+    /// look like rings.
+    fn is_plain(&self, detection: &Result<Detection, Miss>) -> bool {
+        let sharp = |ring: &Ring| ring.blur_sigma_px < PLAIN * ring.ellipses.width();
+        2 * evidence(detection) > self.board.ring_count()
+            && detection.as_ref().is_ok_and(|found| {
+                2 * found.rings.iter().filter(|ring| sharp(ring)).count() > found.rings.len()
+            })
     }
 
     /// What is found for the sign for which more rings speak: the first one's where these are all of the board's, or as many.
@@ -172,11 +222,10 @@ impl Detector {
         })
     }
 
-    /// Looks at everything that may be a ring, at all scales.
-    fn search(&self, scales: &mut Scales, care: Care) -> Result<Grid, Miss> {
+    /// The board among all rings of the frame, or among these and whatever may be one whose inner disc has drowned.
+    fn search(&self, scales: &mut Scales, rings: Vec<RingFit>, care: Care) -> Result<Grid, Miss> {
         let (frame, sign) = (scales.frame, scales.sign);
         let how = (&self.options, Beside::Alike);
-        let rings = find_rings(scales, &self.board, care);
         find_grid(frame, &self.board, &rings, sign, how).or_else(|_| {
             let all = add_drowned(scales, &self.board, rings, care);
             find_grid(frame, &self.board, &all, sign, how)

@@ -14,7 +14,9 @@ use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
 
 /// How large drowned rings look, over their true size: tried after 1.
-const DROWNED_SIZES: [f64; 2] = [0.7, 0.5];
+const DROWNED_SIZES: [f64; 3] = [0.7, 0.5, 0.35];
+/// Lattices of another size are tried where they have this fraction of the board's rings.
+const WORTH_A_TRY: f64 = 0.3;
 
 /// One ring of the board: where it is on the board and what it looks like.
 pub(super) struct Placed {
@@ -45,35 +47,51 @@ pub(super) fn find_grid(
     sign: f64,
     (options, beside): (&DetectOptions, Beside),
 ) -> Result<Grid, Miss> {
-    let (measured, another) = measured(frame, board, rings, sign, options)?;
-    let (rings, indices) = measured.verdict(options.required, beside)?;
-    Ok(Grid {
-        rings,
-        indices,
-        another,
-    })
+    if rings.is_empty() {
+        return Err(Miss::NoRing);
+    }
+    let spacing = board.pitch_m() / board.outer_radius_m();
+    let outers: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
+    let mut first = None;
+    for lattices in lattices_of_any_size(board, rings, &outers, spacing) {
+        let (measured, another) =
+            match measured(frame, board, (rings, &outers), sign, (options, &lattices)) {
+                Ok(measured) => measured,
+                Err(miss) => {
+                    first.get_or_insert(miss);
+                    continue;
+                }
+            };
+        match measured.verdict_or_without_strays(options.required, beside) {
+            Ok((rings, indices)) => {
+                return Ok(Grid {
+                    rings,
+                    indices,
+                    another,
+                });
+            }
+            Err(miss) => {
+                first.get_or_insert(miss);
+            }
+        }
+    }
+    Err(first.unwrap_or(Miss::NoRing))
 }
 
 /// The lattice that looks most like the board, its missing rings looked for, and the rings of another board.
 fn measured<'a>(
     frame: &'a Frame,
     board: &'a Board,
-    rings: &[RingFit],
+    (rings, outers): (&[RingFit], &[Ellipse]),
     sign: f64,
-    options: &DetectOptions,
+    (options, lattices): (&DetectOptions, &[Lattice]),
 ) -> Result<(Measured<'a>, Option<usize>), Miss> {
-    if rings.is_empty() {
-        return Err(Miss::NoRing);
-    }
-    let spacing = board.pitch_m() / board.outer_radius_m();
-    let outers: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
-    let lattices = lattices_of_any_size(board, rings, &outers, spacing);
     // a board that is less than half seen is no second one
     let boards = lattices
         .iter()
         .filter(|lattice| 2 * lattice.members.len() >= board.ring_count());
     let another = boards.clone().map(|l| l.members.len()).nth(1);
-    let largest = boards.max_by(|a, b| size_px(a, &outers).total_cmp(&size_px(b, &outers)));
+    let largest = boards.max_by(|a, b| size_px(a, outers).total_cmp(&size_px(b, outers)));
     let Some(lattice) = largest.or(lattices.first()) else {
         return Err(too_few_or_no_grid(board, rings.len(), options.required));
     };
@@ -90,29 +108,28 @@ fn measured<'a>(
 }
 
 /// The lattices of rings. Where most inner discs have drowned, blur as large as the rings lets them look smaller than they are, so that
-/// their neighbours seem too far away; then other sizes are tried until one makes a board of them.
+/// their neighbours seem too far away; then they are those of other sizes, too, the fullest first.
 fn lattices_of_any_size(
     board: &Board,
     rings: &[RingFit],
     outers: &[Ellipse],
     spacing: f64,
-) -> Vec<Lattice> {
-    let mut best = lattices(outers, spacing, 0);
+) -> Vec<Vec<Lattice>> {
+    let mut all = vec![lattices(outers, spacing, 0)];
     let drowned = rings.iter().filter(|ring| ring.inner.is_none()).count();
-    let largest = |found: &[Lattice]| found.first().map_or(0, |l| l.members.len());
     if 2 * drowned <= rings.len() {
-        return best;
+        return all;
     }
+    let largest = |found: &[Lattice]| found.first().map_or(0, |l| l.members.len());
     for size in DROWNED_SIZES {
-        if 2 * largest(&best) >= board.ring_count() {
-            break;
-        }
         let other = lattices(outers, spacing / size, 0);
-        if largest(&other) > largest(&best) {
-            best = other;
+        let worth = largest(&other) as f64 >= WORTH_A_TRY * board.ring_count() as f64;
+        if worth && all.iter().all(|known| known.first() != other.first()) {
+            all.push(other);
         }
     }
-    best
+    all.sort_by_key(|found| std::cmp::Reverse(largest(found)));
+    all
 }
 
 /// Mean size of a lattice's rings, px.
@@ -138,6 +155,22 @@ fn too_few_or_no_grid(board: &Board, found: usize, required: Required) -> Miss {
 }
 
 impl Measured<'_> {
+    /// The verdict; under heavy blur, where it is none, that without the spots that are not like their neighbours.
+    fn verdict_or_without_strays(
+        self,
+        required: Required,
+        beside: Beside,
+    ) -> Result<(Vec<Placed>, Indices), Miss> {
+        let mut others = self.is_heavily_blurred().then(|| self.clone());
+        self.verdict(required, beside).or_else(|miss| {
+            let cleared = others.as_mut().is_some_and(Self::leave_out_unlike);
+            match others.filter(|_| cleared) {
+                Some(others) => others.verdict(required, beside).map_err(|_| miss),
+                None => Err(miss),
+            }
+        })
+    }
+
     fn verdict(
         mut self,
         required: Required,

@@ -16,6 +16,10 @@ use std::ops::RangeInclusive;
 
 /// The rings' common radius over the board file's (logarithm): who measures a board by a ruler is nearer than that.
 const MOST_OFF: f64 = 0.12;
+/// The same where blur, sigma over the ring's width, hides shapes, as far as the sizes agree with each other: the size alone then tells rings
+/// from spots of another shape.
+const MOST_OFF_IF_HEAVY: f64 = 0.07;
+const HEAVY: f64 = 0.6;
 /// Spread of the rings' sizes about that (logarithm, one standard deviation). Blur of a shape that the model does not have leaves
 /// half of it.
 const MOST_UNEVEN: f64 = 0.045;
@@ -60,7 +64,12 @@ pub(super) fn are_the_boards(
         INSIDES
     };
     let uncertain = DEVIATIONS * sizes.deviation;
-    let odd = if sizes.common.abs() > MOST_OFF + uncertain {
+    let most_off = if sigma_px > HEAVY * width_px {
+        (MOST_OFF_IF_HEAVY + DEVIATIONS * sizes.spread).min(MOST_OFF)
+    } else {
+        MOST_OFF
+    };
+    let odd = if sizes.common.abs() > most_off + uncertain {
         let given = board.outer_radius_m() / board.pitch_m();
         return Err(Miss::OtherRadius {
             seen: given * sizes.common.exp(),

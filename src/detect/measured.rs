@@ -22,6 +22,7 @@ const FEW: usize = 4;
 const MOVED: f64 = 0.05;
 
 /// A lattice whose members are measured rings, and what is needed to measure more.
+#[derive(Clone)]
 pub(super) struct Measured<'a> {
     pub(super) frame: &'a Frame,
     pub(super) board: &'a Board,

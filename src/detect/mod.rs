@@ -33,6 +33,7 @@ mod runs;
 mod scales;
 mod second_start;
 mod single;
+mod strays;
 mod whole;
 
 pub use detection::{Detection, FellBack, Indices, Measured, Miss, Odd, Ring};

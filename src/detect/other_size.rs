@@ -18,6 +18,8 @@ const LEAST_CONTRAST: f64 = 0.05;
 /// blur are within these factors of theirs,
 const CONTRASTS: f64 = 2.5;
 const BLURS: f64 = 1.6;
+/// the contrast within this factor of that of the rings next to it,
+const NEXT_CONTRASTS: f64 = 1.4;
 /// its size over theirs (logarithm),
 const SIZES: f64 = 0.2;
 /// and its distance from its place, in steps.
@@ -176,8 +178,17 @@ impl Measured<'_> {
         within(ring.contrast, usual.contrast, CONTRASTS)
             && within(1.0 + ring.blur_sigma_px, 1.0 + usual.blur_px, BLURS)
             && ring.inner.is_none() == usual.drowned
+            && self.is_as_lit(label, ring)
             && size.ln().abs() < SIZES
             && (ring.outer.centre - place.at).norm() < MISPLACED * place.step_px()
+    }
+
+    /// Whether a ring has about the contrast of those next to it, which is asked where blur makes spots of edges: of these, most are fainter.
+    fn is_as_lit(&self, label: Label, ring: &RingFit) -> bool {
+        !self.is_heavily_blurred()
+            || self.contrast_around(label).is_none_or(|around| {
+                ring.contrast <= NEXT_CONTRASTS * around && NEXT_CONTRASTS * ring.contrast >= around
+            })
     }
 
     /// Whether a place has at least this contrast of paper and ring, which costs much less to see than to measure a ring. Where a part

@@ -21,7 +21,7 @@ const LEAST_BENT_IF_DROWNED: f64 = 0.06;
 /// The rings' common size over the board's: blur makes them larger, a roughly measured board either.
 const SIZE: (f64, f64) = (0.6, 1.7);
 /// Where most inner discs have drowned they look smaller, the more the closer the blur is to the ring's own size.
-const LEAST_SIZE_IF_DROWNED: f64 = 0.35;
+const LEAST_SIZE_IF_DROWNED: f64 = 0.25;
 /// The faintest ring's contrast over the strongest's: a shadow over a part of the board leaves more.
 const LEAST_CONTRAST: f64 = 0.06;
 

@@ -58,7 +58,13 @@ pub(super) fn add_drowned(
     chosen.truncate(most);
     let discs: Vec<RingFit> = chosen
         .into_par_iter()
-        .filter_map(|at| measure_disc(frame, &outlines[at], sign, ratio, care))
+        .filter_map(|at| {
+            let outline = &outlines[at];
+            let small = (outline.minor < SMALL_PX).then(|| small_ring(outline, ratio));
+            small
+                .and_then(|rough| measure(frame, &rough, sign, ratio, care))
+                .or_else(|| measure_disc(frame, outline, sign, ratio, care))
+        })
         .collect();
     let mut all = rings;
     for disc in distinct(discs) {
@@ -122,6 +128,21 @@ fn distinct(mut rings: Vec<RingFit>) -> Vec<RingFit> {
         }
     }
     kept
+}
+
+/// Of outlines with less than this minor semi-axis the inner discs are smoothed away before candidates are sought, px.
+const SMALL_PX: f64 = 8.0;
+
+/// A ring as the board has it within an outline.
+fn small_ring(outline: &Ellipse, ratio: f64) -> RingEllipses {
+    RingEllipses {
+        inner: Ellipse {
+            major: ratio * outline.major,
+            minor: ratio * outline.minor,
+            ..*outline
+        },
+        outer: *outline,
+    }
 }
 
 /// Outlines so near and alike belong to one ring.

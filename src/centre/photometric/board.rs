@@ -36,6 +36,9 @@ const ROUNDS: usize = 6;
 /// Times that bends are taken out of the pixels, each with a better map.
 const FLATTENED: usize = 2;
 
+/// Where more of the rings than this have no fit after two rounds, further ones are in vain.
+const HOPELESS: f64 = 0.7;
+
 /// What may be left of the bends in a centre although they are taken off, over what they move the ring's curves by: under blur they move a
 /// fit by up to twice that, and before a fisheye the map is not quite the lens.
 const BENT_LEFT: f64 = 1.5;
@@ -114,7 +117,8 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
             settle_together(board.ratio, &mut rings);
         }
         let moved = fit_round(board, view.as_ref(), &mut rings, round);
-        if !moved {
+        let failed = rings.iter().filter(|ring| ring.fitted.is_err()).count();
+        if !moved || round > 0 && failed as f64 > HOPELESS * rings.len() as f64 {
             break;
         }
     }

@@ -15,6 +15,8 @@ use std::ops::Range;
 
 /// Less noise than this is none, fraction of full scale.
 const LEAST_NOISE: f64 = 1e-4;
+/// A light so many standard deviations beyond the end is clipped for certain: the pixel says nothing more (1e-11 of a variance).
+const CERTAIN: f64 = -7.0;
 
 /// The censored pixels of a window under a model.
 pub(super) struct Censored<'a> {
@@ -50,11 +52,16 @@ impl<'a> Censored<'a> {
             // the row's derivatives were filled in a moment ago, and its sheet with them
             let pixel = self.pixel(at, row, i, &out.sheet);
             let value = f64::from(self.problem.window.values[at]);
-            let a = sign * (value - pixel.light) / noise;
+            let a = sign * (value - pixel.flat * pixel.shade) / noise;
+            if a < CERTAIN {
+                out.set_pixel(i, &[0.0; PARAMETERS][..out.parameters], 0.0);
+                continue;
+            }
             let (log_likelihood, mills) = beyond(a);
             let curvature = (mills * (mills - a)).clamp(1e-12, 1.0).sqrt();
             let residual = sign * noise * mills / curvature;
-            let derivatives = pixel.derivatives.map(|derivative| derivative * curvature);
+            let derivatives = self.derivatives(at, i, &pixel, &out.sheet);
+            let derivatives = derivatives.map(|derivative| derivative * curvature);
             out.set_pixel(i, &derivatives[..out.parameters], residual);
             missing -= 2.0 * noise * noise * log_likelihood + residual * residual;
         }
@@ -75,7 +82,33 @@ impl<'a> Censored<'a> {
             Some(_) => f64::from(sheet.missing[column]),
             None => 0.0,
         };
-        let flat = model.paper + dark * outer + light * inner + step * missing;
+        Pixel {
+            at: [u, v],
+            shade,
+            circles: [outer, inner],
+            missing,
+            step,
+            flat: model.paper + dark * outer + light * inner + step * missing,
+        }
+    }
+
+    /// How a pixel's light changes with each parameter.
+    fn derivatives(
+        &self,
+        at: usize,
+        column: usize,
+        pixel: &Pixel,
+        sheet: &SheetRow,
+    ) -> [f64; PARAMETERS] {
+        let (grid, model): (&Grid, _) = (&self.problem.window.grid, self.model);
+        let Pixel {
+            at: [u, v],
+            shade,
+            circles: [outer, inner],
+            missing,
+            step,
+            flat,
+        } = *pixel;
         let mut derivatives = [0.0; PARAMETERS];
         for (k, plane) in self.coverage.changes.iter().enumerate() {
             derivatives[k] = shade * plane.get(at).copied().map_or(0.0, f64::from);
@@ -96,16 +129,22 @@ impl<'a> Censored<'a> {
                 derivatives[SHEET + 1 + k] = shade * step * f64::from(by[column]);
             }
         }
-        Pixel {
-            light: flat * shade,
-            derivatives,
-        }
+        derivatives
     }
 }
 
+/// What a pixel sees under the model.
 struct Pixel {
-    light: f64,
-    derivatives: [f64; PARAMETERS],
+    /// Where it is, of the window's width from its middle.
+    at: [f64; 2],
+    shade: f64,
+    /// Coverages by the outer and the inner circle.
+    circles: [f64; 2],
+    /// The part of it beyond the sheet's end, and the light there over that of the paper.
+    missing: f64,
+    step: f64,
+    /// Its light without the shade.
+    flat: f64,
 }
 
 /// Logarithm of the probability that a normal variable exceeds `a`, and its density at `a` over that probability.

@@ -6,12 +6,12 @@ use super::choice::PsfChoice;
 use super::fit::{Given, Known};
 use super::fitted::{FitError, RingFitted};
 use super::jury::relative_size;
-use super::likes::among_likes;
+use super::likes::{alike, among_likes};
 use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::psf::Both;
-use super::ring::gate;
+use super::ring::{gate, has_contrast};
 use super::shape::Shape;
 use super::start::{Cut, cut, levels};
 use super::window::Window;
@@ -67,7 +67,7 @@ fn best(known: &Known, tried: &[(Shape, Blur)]) -> Option<RingModel> {
     let levels = tried
         .par_iter()
         .map_init(Workspace::default, |room, (shape, blur)| {
-            levels(known.window, shape, blur, known.ratio, room)
+            levels(known.window, (shape, blur), known.ratio, None, room)
         });
     let found: Vec<_> = levels.flatten().collect();
     let best = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
@@ -90,7 +90,7 @@ pub(super) fn follow(
         let there = (*ended.of(psf))?;
         let shape = seen.scaled(relative_size(first, &there));
         let blur = there.model.blur;
-        let start = levels(&pixels, &shape, &blur, board.ratio, room);
+        let start = levels(&pixels, (&shape, &blur), board.ratio, None, room);
         let (_, start) = start.ok_or(FitError::Undetermined)?;
         known.fit_with(&start, psf, room)
     };
@@ -162,7 +162,7 @@ pub(super) fn hear(
     let both = if settled || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
         both
     } else {
-        with_large_disc(&known, &seen, both, room)
+        with_large_disc(&known, board, (place, view), both, room)
     };
     let both = among_likes(board, (place, view), &pixels, both, room);
     both.likelier().ok().and_then(gated)?;
@@ -170,22 +170,40 @@ pub(super) fn hear(
 }
 
 /// The fits, with a better one of a disc where a large disc explains the pixels: it inverts the inner circle's contrast, which no
-/// Gaussian resembles, so that a start from one does not find it.
-fn with_large_disc(known: &Known, seen: &Shape, both: Both, room: &mut Workspace) -> Both {
-    let Some(outline) = seen.ellipse(1.0) else {
-        return both;
-    };
-    let seen_px = outline.mean_radius();
-    let tried = LARGE_SIZES.iter().flat_map(|size| {
-        let discs = LARGE_DISCS.iter();
-        discs.map(move |disc| (seen.scaled(*size), Blur::disc(disc * size * seen_px)))
-    });
-    let Some(start) = best(known, &tried.collect::<Vec<_>>()) else {
+/// Gaussian resembles, so that a start from one does not find it. Discs as large reach into the neighbours' windows: all rings are
+/// drawn alike in each start.
+fn with_large_disc(
+    known: &Known,
+    board: &BoardStart,
+    (place, view): (&BoardPlace, Option<&PlaneView>),
+    both: Both,
+    room: &mut Workspace,
+) -> Both {
+    let (seen, seen_px) = (shape_of(place, view), place.outline.mean_radius());
+    let tried: Vec<(f64, Blur)> = LARGE_SIZES
+        .iter()
+        .flat_map(|&size| {
+            let discs = LARGE_DISCS.iter();
+            discs.map(move |disc| (size, Blur::disc(disc * size * seen_px)))
+        })
+        .collect();
+    let found = tried
+        .par_iter()
+        .map_init(Workspace::default, |room, &(size, blur)| {
+            let around = alike(known.window, board, (place, view), (size, blur), room);
+            let ring = (&seen.scaled(size), &blur);
+            let (squares, model) = levels(known.window, ring, known.ratio, around.as_ref(), room)?;
+            has_contrast(board.sign, &model).then_some((squares, model, around))
+        });
+    let found: Vec<_> = found.flatten().collect();
+    let best = found.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+    let Some((_, start, around)) = best else {
         return both;
     };
     let squares = |fit: &Result<RingFitted, _>| fit.as_ref().map_or(f64::INFINITY, |f| f.squares);
     let carefully = Known {
         given: Given::Nothing,
+        around: around.as_ref(),
         ..*known
     };
     let disc = carefully.fit_with(&start, Psf::Disc, room);

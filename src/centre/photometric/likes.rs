@@ -6,6 +6,7 @@
 //! drawn as the juror was fitted, where they were seen, and it is fitted again, until it stays.
 
 use super::around::around;
+use super::blur::Blur;
 use super::board::{BoardPlace, BoardStart};
 use super::fit::{Given, Known};
 use super::fitted::{FitError, RingFitted};
@@ -63,6 +64,28 @@ pub(super) fn among_likes(
         }
     }
     both
+}
+
+/// Coverages of a ring's window by the others, all of them this large (over what was seen) and in this blur.
+pub(super) fn alike(
+    window: &Window,
+    board: &BoardStart,
+    (place, view): (&BoardPlace, Option<&PlaneView>),
+    (size, blur): (f64, Blur),
+    room: &mut Workspace,
+) -> Option<[Vec<f32>; 2]> {
+    let own = board.places.iter().position(|other| other == place)?;
+    let like = |other: &BoardPlace| RingModel {
+        shape: shape_of(other, view).scaled(size),
+        blur,
+        paper: 1.0,
+        ring: 0.0,
+        inside: 1.0,
+        shading: [0.0; 2],
+        sheet: None,
+    };
+    let models: Vec<RingModel> = board.places.iter().map(like).collect();
+    around(&window.grid, board.ratio, (own, &models), room)
 }
 
 /// All rings of the board as one of them was fitted, each where it was seen.

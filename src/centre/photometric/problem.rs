@@ -169,9 +169,20 @@ impl Workspace {
         blur: &Blur,
         ratio: f64,
     ) -> Option<&[Vec<f32>; 2]> {
+        self.circles_among(grid, (shape, blur), ratio, None)
+    }
+
+    /// The same with those of the rings around (`around`).
+    pub(super) fn circles_among(
+        &mut self,
+        grid: &Grid,
+        ring: (&Shape, &Blur),
+        ratio: f64,
+        around: Option<&[Vec<f32>; 2]>,
+    ) -> Option<&[Vec<f32>; 2]> {
         self.dispatch(
             #[inline(always)]
-            |room| room.coverage.fill(grid, (shape, blur), ratio, None, None),
+            |room| room.coverage.fill(grid, ring, ratio, None, around),
         )?;
         Some(&self.coverage.circles)
     }

@@ -104,7 +104,13 @@ impl Known<'_> {
             .iter()
             .filter_map(|radius| {
                 let blur = Blur::disc((radius * sigma_px).max(LEAST_START_PX));
-                levels(self.window, &start.shape, &blur, self.ratio, room)
+                levels(
+                    self.window,
+                    (&start.shape, &blur),
+                    self.ratio,
+                    self.around,
+                    room,
+                )
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .ok_or(FitError::Undetermined)?;

@@ -177,7 +177,7 @@ fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingMo
             let shape = Shape::frontal(&ring.seen.outline).scaled(factor);
             let blur = Blur::of_sigma(psf, sigma_px);
             found.extend(
-                levels(window, &shape, &blur, ring.seen.ratio, room)
+                levels(window, (&shape, &blur), ring.seen.ratio, None, room)
                     .filter(|(_, model)| has_contrast(ring.seen.sign, model)),
             );
         }
@@ -186,7 +186,7 @@ fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingMo
     found.into_iter().map(|(_, model)| model).collect()
 }
 
-fn has_contrast(sign: f64, model: &RingModel) -> bool {
+pub(super) fn has_contrast(sign: f64, model: &RingModel) -> bool {
     sign * (model.paper - model.ring) > 0.0 && sign * (model.inside - model.ring) > 0.0
 }
 

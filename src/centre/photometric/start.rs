@@ -87,17 +87,17 @@ pub(super) fn cut(
     Window::cut(frame, rectangle, bin, linear)
 }
 
-/// Least-squares levels and a slope of the light for a shape and a blur, and the sum of squares they leave.
+/// Least-squares levels and a slope of the light for a shape and a blur, and the sum of squares they leave; `around` are the coverages by
+/// the rings beside it.
 pub(super) fn levels(
     window: &Window,
-    shape: &Shape,
-    blur: &Blur,
+    (shape, blur): (&Shape, &Blur),
     ratio: f64,
+    around: Option<&[Vec<f32>; 2]>,
     room: &mut Workspace,
 ) -> Option<(f64, RingModel)> {
     const UNKNOWNS: usize = 5;
-    let mut circles = room.circles(&window.grid, shape, blur, ratio)?.iter();
-    let (outer, inner) = (circles.next()?, circles.next()?);
+    let [outer, inner] = room.circles_among(&window.grid, (shape, blur), ratio, around)?;
     let grid = &window.grid;
     let (width, stride) = (grid.width as f64, grid.stride());
     let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();

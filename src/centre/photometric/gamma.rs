@@ -73,7 +73,7 @@ fn cost(frame: &Frame, board: &BoardStart, gamma: f64) -> Option<f64> {
         .par_iter()
         .map_init(Workspace::default, |room, &i| {
             let place = board.places[i];
-            let (both, window) = hear(frame, &board, &place, view.as_ref(), room)?;
+            let (both, window) = hear(frame, &board, (&place, view.as_ref()), true, room)?;
             let fitted = both.likelier().ok()?;
             let known = Known {
                 window: &window,

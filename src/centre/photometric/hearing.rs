@@ -116,12 +116,13 @@ pub(super) fn shape_of(place: &BoardPlace, view: Option<&PlaneView>) -> Shape {
         .unwrap_or_else(|| Shape::frontal(&place.outline))
 }
 
-/// Fits one ring with the shapes of blur that are asked for; its fits and its pixels.
+/// Fits one ring with the shapes of blur that are asked for; its fits and its pixels. Discs so large that they invert contrasts are
+/// tried where that is asked for.
 pub(super) fn hear(
     frame: &Frame,
     board: &BoardStart,
-    place: &BoardPlace,
-    view: Option<&PlaneView>,
+    (place, view): (&BoardPlace, Option<&PlaneView>),
+    large: bool,
     room: &mut Workspace,
 ) -> Option<(Both, Window)> {
     let sharp = is_sharp(board, place);
@@ -159,7 +160,7 @@ pub(super) fn hear(
     let size_px = place.outline.mean_radius();
     let light = |fitted: RingFitted| fitted.model.blur.sigma_px() < LIGHT * size_px;
     let settled = sharp || both.likelier().ok().and_then(gated).is_some_and(light);
-    let both = if settled || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
+    let both = if settled || !large || board.psf == PsfChoice::Fixed(Psf::Gaussian) {
         both
     } else {
         with_large_disc(&known, board, (place, view), both, room)

@@ -15,6 +15,9 @@ use crate::frame::Frame;
 use nalgebra::{Matrix3, Point2, Vector3};
 use rayon::prelude::*;
 
+/// So many of the jury are asked for large discs before one is heard: it is the dearest question, and no ring but a board's answers it.
+const LARGE: usize = 2;
+
 /// What the jury says.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Verdict {
@@ -60,18 +63,18 @@ pub(super) fn verdict(frame: &Frame, board: &BoardStart, view: Option<&PlaneView
     let jurors = jurors(board.places).into_iter().map(|i| board.places[i]);
     let jurors: Vec<BoardPlace> = jurors.collect();
     let mut room = Workspace::default();
-    let hear = |place: &BoardPlace, room: &mut Workspace| {
-        Some((*place, hear(frame, board, place, view, room)?.0))
+    let hear = |place: &BoardPlace, large: bool, room: &mut Workspace| {
+        Some((*place, hear(frame, board, (place, view), large, room)?.0))
     };
     let mut first = jurors.iter().enumerate();
-    let first = first.find_map(|(i, place)| Some((i, hear(place, &mut room)?)));
+    let first = first.find_map(|(i, place)| Some((i, hear(place, i < LARGE, &mut room)?)));
     let heard: Vec<(BoardPlace, Both)> = first.map_or_else(Vec::new, |(spokesman, first)| {
         let others: Vec<_> = jurors[spokesman + 1..]
             .par_iter()
             .map_init(Workspace::default, |room, place| {
                 let same = follow(frame, board, (&first.0, &first.1), (place, view), room);
                 same.map(|both| (*place, both))
-                    .or_else(|| hear(place, room))
+                    .or_else(|| hear(place, false, room))
             })
             .flatten()
             .collect();

@@ -17,7 +17,7 @@ use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::sharp::MOST_SIGMA;
 use super::sheet::SheetRow;
 use super::window::{Grid, Window};
-use nalgebra::{Point2, Vector2};
+use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
 /// Pixels across the picture of a ring whose own were not kept.

@@ -36,7 +36,7 @@ pub(super) fn sides(board: &BoardStart, place: &BoardPlace) -> Vec<Vector2<f64>>
 
 /// The ring fitted with the end of the sheet, where that explains its window better.
 ///
-/// `near` is a fit that the edge has not spoilt; `usual` is the one that knows no edge.
+/// `near` is a fit that the edge has not spoilt; `usual` is the one that knows no edge, and the last that was made in `room`.
 pub(super) fn with_sheet(
     known: &Known,
     (board, place, view): (&BoardStart, &BoardPlace, &PlaneView),
@@ -51,7 +51,12 @@ pub(super) fn with_sheet(
     if sides.is_empty() {
         return None;
     }
-    let mut residuals = room.residuals(known, &near.model).to_vec();
+    // those of the last fit are still there
+    let mut residuals = if near.model == usual.model {
+        room.residuals.clone()
+    } else {
+        room.residuals(known, &near.model).to_vec()
+    };
     let least = LEAST_NOISE * (model.paper - model.ring).abs();
     let variance = near.noise.max(least).powi(2);
     let mut found: Vec<Candidate> = Vec::new();

@@ -176,6 +176,7 @@ mod tests {
     use super::super::fitted::ShapeCovariance;
     use super::super::lens_map::shape_under;
     use super::*;
+    use nalgebra::Point2;
 
     /// Steep rings are narrow ellipses, and most pixels of a coarse picture are far from their edges.
     #[test]
@@ -219,6 +220,42 @@ mod tests {
                     off < 5e-3,
                     "turn {turn}, tilt {tilt}, {radius_px} px: {off}"
                 );
+            }
+        }
+    }
+
+    /// Where blur is small against the ring, the curves alone say what a fit finds; what it is otherwise off by is within what is told.
+    #[test]
+    fn a_fit_finds_of_a_bent_ring_what_its_curves_say_the_more_so_the_less_blur() {
+        let mut room = Workspace::default();
+        for radius_px in [24.0, 60.0] {
+            let image = |d: Vector2<f64>| {
+                let at = Vector2::new(420.0, 250.0) + d * radius_px;
+                Some(Point2::from(at * (1.0 - 6e-7 * at.norm_squared())))
+            };
+            let bent = Bent::of(&image, 0.5).unwrap();
+            for sigma_px in [0.02 * radius_px, 0.06 * radius_px, 0.2 * radius_px] {
+                let model = RingModel {
+                    shape: bent.straight,
+                    blur: Blur::gaussian(sigma_px),
+                    paper: 0.85,
+                    ring: 0.1,
+                    inside: 0.85,
+                    shading: [0.0; 2],
+                    sheet: None,
+                };
+                let fitted = RingFitted {
+                    model,
+                    covariance: ShapeCovariance::identity(),
+                    noise: 1e-4,
+                    squares: 0.0,
+                    pixels: 0,
+                    darkest: 0.0,
+                };
+                let found = found_of_bent(&fitted, &bent, image, 0.5, &mut room).unwrap();
+                let off = (found.centre - bent.free.centre).norm();
+                let most = bent.unlike_px(sigma_px);
+                assert!(off < most, "{radius_px} px, {sigma_px} px: {off}, {most}");
             }
         }
     }

@@ -11,6 +11,7 @@ use super::shape::Shape;
 use super::window::{Grid, Window};
 use crate::frame::widest;
 use nalgebra::Vector2;
+use std::ops::Range;
 
 const DIRECTIONS: usize = 8;
 /// Layers from one blur sigma inside the outer circle outwards; the last has no end.
@@ -125,6 +126,23 @@ impl Surroundings {
         usize::from(x > 0.0) | usize::from(y > 0.0) << 1 | usize::from(x.abs() > y.abs()) << 2
     }
 
+    /// The columns of a row in runs that have one direction each.
+    fn alike(&self, grid: &Grid, row: usize) -> [Range<usize>; 4] {
+        let aside = (grid.y(row) - self.shape.centre.y).abs();
+        let x = self.shape.centre.x;
+        // the first column beyond a place, and the first that is not before it
+        let place = |x: f64| ((x - grid.left_px) / grid.pixel_px).clamp(-1.0, grid.width as f64);
+        let beyond = |x: f64| (place(x).floor() + 1.0) as usize;
+        let from = |x: f64| place(x).ceil().max(0.0) as usize;
+        let ends = [from(x - aside), beyond(x), beyond(x + aside), grid.width];
+        let mut start = 0;
+        ends.map(|end| {
+            let run = start..end.clamp(start, grid.width);
+            start = run.end;
+            run
+        })
+    }
+
     /// Layers of the pixels of a row, with their fractions.
     fn layers(&self, grid: &Grid, row: usize, out: &mut [f32]) {
         let y = (grid.y(row) - self.shape.centre.y) as f32;
@@ -158,19 +176,23 @@ impl Surroundings {
     ) -> Judgement {
         let (grid, stride) = (&window.grid, window.grid.stride());
         let mut blocks = [[Block::default(); LAYERS]; DIRECTIONS];
-        let mut own = Block::default();
+        let mut own = Own::default();
         let mut layers = vec![0.0_f32; stride];
         for row in 0..grid.height {
             let span = row * stride..(row + 1) * stride;
             let (residuals, weights) = (&residuals[span.clone()], &window.weights[span]);
             self.layers(grid, row, &mut layers);
             own.add_inside(&layers, residuals, weights);
-            let y = grid.y(row);
-            for column in 0..grid.width {
-                if layers[column] >= FIRST_SUSPECT as f32 && weights[column] > 0.0 {
-                    let layer = (layers[column] as usize).min(LAYERS - 1);
-                    let at = (grid.x(column), y);
-                    blocks[self.direction(at)][layer].add(f64::from(residuals[column]));
+            for columns in self.alike(grid, row) {
+                let Some(first) = columns.clone().next() else {
+                    continue;
+                };
+                let blocks = &mut blocks[self.direction((grid.x(first), grid.y(row)))];
+                for column in columns {
+                    if layers[column] >= FIRST_SUSPECT as f32 && weights[column] > 0.0 {
+                        let layer = (layers[column] as usize).min(LAYERS - 1);
+                        blocks[layer].add(residuals[column]);
+                    }
                 }
             }
         }
@@ -206,20 +228,21 @@ impl Surroundings {
     }
 }
 
+/// Pixels of one direction and layer.
 #[derive(Debug, Clone, Copy, Default)]
 struct Block {
     sum: f64,
+    pixels: f64,
+}
+
+/// The ring's own pixels.
+#[derive(Debug, Clone, Copy, Default)]
+struct Own {
     squares: f64,
     pixels: f64,
 }
 
-impl Block {
-    fn add(&mut self, residual: f64) {
-        self.sum += residual;
-        self.squares += residual * residual;
-        self.pixels += 1.0;
-    }
-
+impl Own {
     /// Adds the pixels of a row that are the ring's own.
     fn add_inside(&mut self, layers: &[f32], residuals: &[f32], weights: &[f32]) {
         let (mut squares, mut pixels) = (0.0, 0.0);
@@ -244,6 +267,13 @@ impl Block {
         );
         self.squares += squares;
         self.pixels += pixels;
+    }
+}
+
+impl Block {
+    fn add(&mut self, residual: f32) {
+        self.sum += f64::from(residual);
+        self.pixels += 1.0;
     }
 
     /// The mean residual over what noise allows.

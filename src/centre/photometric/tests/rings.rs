@@ -34,6 +34,50 @@ fn measure(frame: &Frame, outline: &Ellipse, sigma_px: f64, psf: PsfChoice) -> R
     measure_ring(frame, &start, &mut Workspace::default()).unwrap()
 }
 
+/// Where the changes are those of the model itself.
+#[test]
+fn the_gradient_from_kept_changes_is_that_of_the_normal_equations() {
+    for blur in [
+        Blur::gaussian(0.3),
+        Blur::gaussian(2.0),
+        Blur::gaussian(8.0),
+        Blur::disc(6.0),
+    ] {
+        let scene = noisy(22.0, 110, &blur);
+        let shape = true_shape(&scene);
+        let model = RingModel {
+            shape,
+            blur,
+            paper: 0.8,
+            ring: 0.13,
+            inside: 0.82,
+            shading: [0.05, -0.1],
+            sheet: None,
+        };
+        let frame = simulate::render(&scene, 3).unwrap().frame;
+        let outline = shape.ellipse(1.0).unwrap();
+        let linear = Linear::new(1.0, true);
+        let mut window = window(&frame, &outline, blur.sigma_px(), 3.0, &linear).unwrap();
+        window.keep(|x, y| x + y > 70.0);
+        let problem = problem::Problem {
+            window: &window,
+            ratio: 0.5,
+            around: None,
+            noise: 0.0,
+        };
+        let mut room = Workspace::default();
+        let normal = room.normal(&problem, &model).unwrap();
+        let (gradient, squares) = room.gradient(&problem, &model).unwrap();
+        assert!((squares / normal.squares - 1.0).abs() < 1e-5, "{blur:?}");
+        for k in 0..model::RING_PARAMETERS {
+            // beside what the residuals could make of it
+            let most = (normal.matrix[(k, k)] * normal.squares).sqrt();
+            let off = gradient[k] - normal.gradient[k];
+            assert!(off.abs() < 1e-5 * most, "{blur:?} {k}: {off} of {most}");
+        }
+    }
+}
+
 #[test]
 fn errors_are_those_of_the_bound_and_covariances_are_honest() {
     // heavy blur of both shapes; the disc of 13 px inverts the inner circle's contrast

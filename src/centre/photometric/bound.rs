@@ -1,7 +1,7 @@
 //! The Cramer-Rao bound: how well a ring's centre can be known at all.
 
+use super::descent::BLUR_PRIOR;
 use super::equations::{freeze, shape_of_inverse};
-use super::fit::BLUR_PRIOR;
 use super::model::{BLUR, PARAMETERS, RingModel};
 use super::problem::{Problem, Workspace};
 use super::shape::SHAPE_PARAMETERS;

@@ -15,8 +15,9 @@
 
 use super::around::{around, reaches};
 use super::coverage::LANES;
+use super::descent::BLUR_PRIOR;
 use super::equations::{diagonal_scales, scaled_by};
-use super::fit::{BLUR_PRIOR, Given, Known};
+use super::fit::{Given, Known};
 use super::gmres::gmres;
 use super::model::{BLUR, INSIDE, Matrix, PAPER, PARAMETERS, RING, RingModel, Vector};
 use super::problem::{Normal, Problem, Workspace};

@@ -4,7 +4,7 @@
 //! outline -> ring      one ring: starts, fit, and the gate that decides whether to believe it
 //!            start     the window and the grey levels of a start
 //!            psf       Gaussian or disc, by likelihood
-//!            fit       Levenberg-Marquardt on `problem`: residuals (`model`, `censored`), their sums (`gram`, `pull`) and `equations`;
+//!            fit       Levenberg-Marquardt (`descent`) on `problem`: residuals (`model`, `censored`), their sums (`gram`, `pull`) and `equations`;
 //!                      a `wall` keeps light from being negative
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
@@ -29,8 +29,10 @@ mod choice;
 mod corner;
 mod coverage;
 mod dense;
+mod descent;
 mod disc;
 mod disc_edge;
+mod drawing;
 mod edge;
 mod equations;
 mod fan;

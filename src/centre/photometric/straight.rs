@@ -178,6 +178,26 @@ mod tests {
     use super::*;
     use nalgebra::Point2;
 
+    fn fitted(shape: Shape, sigma_px: f64, noise: f64) -> RingFitted {
+        let model = RingModel {
+            shape,
+            blur: Blur::gaussian(sigma_px),
+            paper: 0.85,
+            ring: 0.1,
+            inside: 0.85,
+            shading: [0.0; 2],
+            sheet: None,
+        };
+        RingFitted {
+            model,
+            covariance: ShapeCovariance::identity(),
+            noise,
+            squares: 0.0,
+            pixels: 0,
+            darkest: 0.0,
+        }
+    }
+
     /// Steep rings are narrow ellipses, and most pixels of a coarse picture are far from their edges.
     #[test]
     fn a_steep_ring_that_nothing_bends_is_found_where_it_is() {
@@ -196,23 +216,7 @@ mod tests {
                     ))
                 };
                 let shape = shape_under(image).unwrap();
-                let model = RingModel {
-                    shape,
-                    blur: Blur::gaussian(2.0),
-                    paper: 0.85,
-                    ring: 0.1,
-                    inside: 0.85,
-                    shading: [0.0; 2],
-                    sheet: None,
-                };
-                let fitted = RingFitted {
-                    model,
-                    covariance: ShapeCovariance::identity(),
-                    noise: 0.005,
-                    squares: 0.0,
-                    pixels: 0,
-                    darkest: 0.0,
-                };
+                let fitted = fitted(shape, 2.0, 0.005);
                 let bent = Bent::beside(shape, &image, 0.5).unwrap();
                 let found = found_of_bent(&fitted, &bent, image, 0.5, &mut room);
                 let off = (found.unwrap().centre - shape.centre).norm();
@@ -235,23 +239,7 @@ mod tests {
             };
             let bent = Bent::of(&image, 0.5).unwrap();
             for sigma_px in [0.02 * radius_px, 0.06 * radius_px, 0.2 * radius_px] {
-                let model = RingModel {
-                    shape: bent.straight,
-                    blur: Blur::gaussian(sigma_px),
-                    paper: 0.85,
-                    ring: 0.1,
-                    inside: 0.85,
-                    shading: [0.0; 2],
-                    sheet: None,
-                };
-                let fitted = RingFitted {
-                    model,
-                    covariance: ShapeCovariance::identity(),
-                    noise: 1e-4,
-                    squares: 0.0,
-                    pixels: 0,
-                    darkest: 0.0,
-                };
+                let fitted = fitted(bent.straight, sigma_px, 1e-4);
                 let found = found_of_bent(&fitted, &bent, image, 0.5, &mut room).unwrap();
                 let off = (found.centre - bent.free.centre).norm();
                 let most = bent.unlike_px(sigma_px);

@@ -21,6 +21,9 @@ const FEW: usize = 4;
 /// A place that moved by less than this fraction of the step to the next one shows nothing new.
 const MOVED: f64 = 0.05;
 
+/// A row or column that leads farther away than this fraction of the step leads to another place.
+const ELSEWHERE: f64 = 0.1;
+
 /// A lattice whose members are measured rings, and what is needed to measure more.
 #[derive(Clone)]
 pub(super) struct Measured<'a> {
@@ -178,17 +181,46 @@ impl<'a> Measured<'a> {
         })
     }
 
-    /// Measures a ring where the homography says it is.
+    /// Measures a ring where the homography says it is, or where its row or column leads: before a wide lens rings beside those that are
+    /// known stand up to half a step from the first.
     pub(super) fn look_at(&self, label: Label) -> Option<RingFit> {
-        let rough = self.predicted_ellipses(label)?;
-        let ratio = self.board.radius_ratio();
-        let ring = measure(self.frame, &rough, self.sign, ratio, self.care)
-            .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio, self.care))?;
         let place = self.places.expect(label)?;
-        let near = (ring.outer.centre - place.at).norm() < 0.25 * place.step_px();
+        let rough = self.predicted_ellipses(label)?;
+        self.look_near(place.at, &rough, place.step_px())
+            .or_else(|| {
+                let at = self.along_line(label)?;
+                let off = at - place.at;
+                let elsewhere = off.norm() > ELSEWHERE * place.step_px();
+                let mut moved = rough;
+                moved.inner.centre += off;
+                moved.outer.centre += off;
+                elsewhere
+                    .then(|| self.look_near(at, &moved, place.step_px()))
+                    .flatten()
+            })
+    }
+
+    fn look_near(&self, at: Point2<f64>, rough: &RingEllipses, step_px: f64) -> Option<RingFit> {
+        let ratio = self.board.radius_ratio();
+        let ring = measure(self.frame, rough, self.sign, ratio, self.care)
+            .or_else(|| measure_disc(self.frame, &rough.outer, self.sign, ratio, self.care))?;
+        let near = (ring.outer.centre - at).norm() < 0.25 * step_px;
         let relative = ring.outer.major / (self.size * rough.outer.major);
         let alike = relative.ln().abs() < SAME_SIZE;
         (near && alike).then_some(ring)
+    }
+
+    /// Where the next three rings of its row or column lead, by the parabola through them.
+    fn along_line(&self, (column, row): Label) -> Option<Point2<f64>> {
+        let directions = [(1, 0), (-1, 0), (0, 1), (0, -1)];
+        directions.into_iter().find_map(|(across, down)| {
+            let next = |k: i32| {
+                let label = (column + k * across, row + k * down);
+                Some(self.rings.get(&label)?.outer.centre)
+            };
+            let (a, b, c) = (next(1)?, next(2)?, next(3)?);
+            Some(a + 2.0 * (a - b) + (c - b))
+        })
     }
 
     /// How large a ring looks at its place, over how large the others do.

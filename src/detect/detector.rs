@@ -123,12 +123,23 @@ impl Detector {
                 return found;
             }
         }
+        self.searched(frame, &mut scales, signs, grids)
+    }
+
+    /// The slow way for the polarities whose fast one came to nothing.
+    fn searched(
+        &self,
+        frame: &Frame,
+        scales: &mut Scales,
+        signs: &[f64],
+        known: [Option<Result<Detection, Miss>>; 2],
+    ) -> Result<Detection, Miss> {
         let care = Care::of(self.options.estimator);
-        let tries = signs.iter().zip(grids).map(|(&sign, known)| {
+        let tries = signs.iter().zip(known).map(|(&sign, known)| {
             scales.turn_to(sign);
             let rings = match known {
                 Some(_) => Vec::new(),
-                None => find_rings(&mut scales, &self.board, care),
+                None => find_rings(scales, &self.board, care),
             };
             Try { sign, rings, known }
         });
@@ -142,7 +153,7 @@ impl Detector {
                 return found;
             }
             scales.turn_to(one.sign);
-            let grid = self.search(&mut scales, one.rings, care)?;
+            let grid = self.search(scales, one.rings, care)?;
             self.measured(frame, grid, one.sign)
         });
         let first = answers.next().unwrap_or(Err(Miss::NoRing));
@@ -151,10 +162,10 @@ impl Detector {
             return first;
         }
         match answers.next() {
-            Some(second) if evidence(&second) > evidence(&first) => second,
             // where neither is the board, the reason is that of the polarity named first
             Some(second) if turned && first.is_err() && second.is_err() => second,
-            _ => first,
+            Some(second) => clearer(first, second),
+            None => first,
         }
     }
 
@@ -178,12 +189,7 @@ impl Detector {
         let Some(&other) = signs.get(1).filter(|_| !self.is_whole(&first)) else {
             return first;
         };
-        let second = find(other);
-        if evidence(&second) > evidence(&first) {
-            second
-        } else {
-            first
-        }
+        clearer(first, find(other))
     }
 
     /// Whether every ring of the board speaks for a detection.
@@ -244,6 +250,18 @@ fn explained(miss: Miss, frame: &Frame) -> Miss {
         bad_light(frame).unwrap_or(miss)
     } else {
         miss
+    }
+}
+
+/// The answer for which more rings speak; the first where as many do.
+fn clearer(
+    first: Result<Detection, Miss>,
+    second: Result<Detection, Miss>,
+) -> Result<Detection, Miss> {
+    if evidence(&second) > evidence(&first) {
+        second
+    } else {
+        first
     }
 }
 

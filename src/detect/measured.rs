@@ -3,7 +3,7 @@
 use super::edges::median;
 use super::labelling::{Label, Lattice, extent};
 use super::orientation::{Numbering, choose};
-use super::places::Places;
+use super::places::{Places, line_leads};
 use super::ring_fit::{Care, RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::RingEllipses;
@@ -186,18 +186,18 @@ impl<'a> Measured<'a> {
     pub(super) fn look_at(&self, label: Label) -> Option<RingFit> {
         let place = self.places.expect(label)?;
         let rough = self.predicted_ellipses(label)?;
-        self.look_near(place.at, &rough, place.step_px())
-            .or_else(|| {
-                let at = self.along_line(label)?;
-                let off = at - place.at;
-                let elsewhere = off.norm() > ELSEWHERE * place.step_px();
-                let mut moved = rough;
-                moved.inner.centre += off;
-                moved.outer.centre += off;
-                elsewhere
-                    .then(|| self.look_near(at, &moved, place.step_px()))
-                    .flatten()
-            })
+        let step_px = place.step_px();
+        self.look_near(place.at, &rough, step_px).or_else(|| {
+            let at = self.along_line(label)?;
+            let off = at - place.at;
+            if off.norm() <= ELSEWHERE * step_px {
+                return None;
+            }
+            let mut moved = rough;
+            moved.inner.centre += off;
+            moved.outer.centre += off;
+            self.look_near(at, &moved, step_px)
+        })
     }
 
     fn look_near(&self, at: Point2<f64>, rough: &RingEllipses, step_px: f64) -> Option<RingFit> {
@@ -218,8 +218,7 @@ impl<'a> Measured<'a> {
                 let label = (column + k * across, row + k * down);
                 Some(self.rings.get(&label)?.outer.centre)
             };
-            let (a, b, c) = (next(1)?, next(2)?, next(3)?);
-            Some(a + 2.0 * (a - b) + (c - b))
+            Some(line_leads(next(1)?, next(2)?, next(3)?))
         })
     }
 

@@ -6,7 +6,7 @@
 use super::detection::Ring;
 use super::edges::median;
 use super::labelling::Label;
-use super::places::Places;
+use super::places::{Places, line_leads};
 use nalgebra::Point2;
 use std::collections::BTreeMap;
 
@@ -83,7 +83,7 @@ fn off(ring: &Ring, places: &Places, at: &BTreeMap<Label, Point2<f64>>) -> f64 {
         let next = |k: i32| at.get(&(column + k * across, row + k * down));
         if let (Some(a), Some(b), Some(c)) = (next(1), next(2), next(3)) {
             // the parabola through three, and the cubic through four
-            let parabola = a + 2.0 * (a - b) + (c - b);
+            let parabola = line_leads(*a, *b, *c);
             all.push(parabola);
             all.extend(next(4).map(|d| parabola + (a - b) - 2.0 * (b - c) + (c - d)));
         }

@@ -168,6 +168,11 @@ fn plane(label: Label) -> Point2<f64> {
     Point2::new(f64::from(label.0), f64::from(label.1))
 }
 
+/// Where a line of places leads, the next of them first: the parabola through three.
+pub(super) fn line_leads(a: Point2<f64>, b: Point2<f64>, c: Point2<f64>) -> Point2<f64> {
+    a + 2.0 * (a - b) + (c - b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

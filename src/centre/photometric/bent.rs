@@ -26,12 +26,16 @@ pub(super) struct Bent {
     /// The ring without its bends.
     pub(super) straight: Shape,
     /// The shape of the same perspective whose curves lie along the bent ones.
-    pub(super) laid: Shape,
-    /// The shape whose curves lie along the bent ones if its perspective is free too.
-    pub(super) free: Shape,
+    laid: Shape,
     /// How far the outer curve lies beside that of the first, px (root mean square).
     pub(super) beside_px: f64,
+    /// The bent ones, px, and the inner one's radius, outer radii.
+    curves: Curves,
+    ratio: f64,
 }
+
+/// Points of the outer and the inner circle.
+type Curves = [[Point2<f64>; POINTS]; 2];
 
 impl Bent {
     /// For a map from outer radii about the ring's centre to the frame and its inner over its outer radius; `None` where the map has no image
@@ -43,17 +47,23 @@ impl Bent {
     /// The same, where the ring without its bends is known.
     pub(super) fn beside(straight: Shape, image: &impl Image, ratio: f64) -> Option<Self> {
         let curves = [curve(image, 1.0)?, curve(image, ratio)?];
-        let laid_along = laid::<PERSPECTIVE>(&straight, &curves, ratio)?;
+        let laid = laid_along::<PERSPECTIVE>(&straight, &curves, ratio)?;
         let squares = curves[0].map(|point| {
-            let (value, _, slope) = implicit(&laid_along, &point, 1.0);
+            let (value, _, slope) = implicit(&laid, &point, 1.0);
             (value / slope.norm()).powi(2)
         });
         Some(Self {
             straight,
-            laid: laid_along,
-            free: laid::<SHAPE_PARAMETERS>(&straight, &curves, ratio)?,
+            laid,
             beside_px: (squares.iter().sum::<f64>() / POINTS as f64).sqrt(),
+            curves,
+            ratio,
         })
+    }
+
+    /// The shape whose curves lie along the bent ones if its perspective is free too.
+    pub(super) fn free(&self) -> Option<Shape> {
+        laid_along::<SHAPE_PARAMETERS>(&self.straight, &self.curves, self.ratio)
     }
 
     /// As large as a fit makes it, in its place: what is left beside its curves has no part that a window's pixels could take for a move.
@@ -67,8 +77,7 @@ impl Bent {
     /// How far what a free fit finds under this blur may be from what the curves alone say, px: blur mixes the two circles. The more so the larger
     /// it is against the ring; measured before lenses of 90 degrees, rings of 10 to 68 px.
     pub(super) fn unlike_px(&self, sigma_px: f64) -> f64 {
-        let [xx, xy, yy] = self.straight.affine;
-        let blur = sigma_px * (xx * yy - xy * xy).max(0.0).sqrt().sqrt();
+        let blur = sigma_px / self.straight.size_px();
         self.beside_px * (0.01 + blur * (0.5 + 10.0 * blur))
     }
 
@@ -79,11 +88,7 @@ impl Bent {
 }
 
 /// The shape whose curves lie along these, the first N of its parameters found and the others those of `start`.
-fn laid<const N: usize>(
-    start: &Shape,
-    curves: &[[Point2<f64>; POINTS]; 2],
-    ratio: f64,
-) -> Option<Shape> {
+fn laid_along<const N: usize>(start: &Shape, curves: &Curves, ratio: f64) -> Option<Shape> {
     let mut shape = *start;
     for _ in 0..STEPS {
         let mut normal = SMatrix::<f64, N, N>::zeros();

@@ -81,24 +81,38 @@ pub(super) fn trace(
 
 /// Changes of Q by each parameter at a place (x, y) about the ring's centre; `squares` is twice the square of the circle's radius.
 #[inline(always)]
-pub(super) fn by_shape<T>(
-    [xx, xy, yy]: [T; 3],
-    [qx, qy]: [T; 2],
-    squares: T,
-    [x, y]: [T; 2],
-) -> [T; 7]
+pub(super) fn by_shape(
+    affine: [f64; 3],
+    perspective: [f64; 2],
+    squares: f64,
+    [x, y]: [f64; 2],
+) -> [f64; SHAPE_PARAMETERS] {
+    let moments = (1.0, [x, y], [x * x, x * y, y * y]);
+    by_moments(affine, perspective, squares, moments)
+}
+
+/// The same, summed over places with their shares: of the sum of the shares, of the shares times x and y, and times their squares and
+/// product.
+#[inline(always)]
+pub(super) fn by_moments<S, T>(
+    [nxx, nxy, nyy]: [S; 3],
+    [qx, qy]: [S; 2],
+    squares: S,
+    (shares, [x, y], [xx, xy, yy]): (T, [T; 2], [T; 3]),
+) -> [T; SHAPE_PARAMETERS]
 where
-    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T> + Neg<Output = T>,
+    S: Copy,
+    T: Copy + Add<Output = T> + Sub<Output = T> + Mul<S, Output = T> + Neg<Output = T>,
 {
-    let depth = squares - squares * (qx * x + qy * y);
-    let (mx, my) = (xx * x + xy * y, xy * x + yy * y);
+    let depth = (shares - x * qx - y * qy) * squares;
+    let (mx, my) = (x * nxx + y * nxy, x * nxy + y * nyy);
     [
         -(mx + mx) - depth * qx,
         -(my + my) - depth * qy,
-        x * x,
-        x * y + x * y,
-        y * y,
-        depth * x,
-        depth * y,
+        xx,
+        xy + xy,
+        yy,
+        (x - xx * qx - xy * qy) * squares,
+        (y - xy * qx - yy * qy) * squares,
     ]
 }

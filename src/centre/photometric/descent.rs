@@ -228,13 +228,12 @@ impl<'a, 'b> Descent<'a, 'b> {
 
     /// Whether a step moves the outline by little against the blur.
     fn is_short(&self, step: &Vector) -> bool {
-        let [xx, xy, yy] = self.start.with_parameters(&self.parameters).shape.affine;
+        let model = self.start.with_parameters(&self.parameters);
         // a relative change of the affine form moves the outline by half of it, in radii
-        let size = (xx * yy - xy * xy).max(f64::MIN_POSITIVE).powf(-0.25);
+        let size = model.shape.size_px();
         let affine = step[2].abs().max(step[3].abs()).max(step[4].abs()) * size * size;
         let perspective = step[5].hypot(step[6]) * size;
-        let blur = self.start.with_parameters(&self.parameters).blur.sigma_px();
-        let scale = blur + 0.3 * self.problem.window.grid.pixel_px;
+        let scale = model.blur.sigma_px() + 0.3 * self.problem.window.grid.pixel_px;
         let sheet = step[SHEET + 1].hypot(step[SHEET + 1 + EDGE_PARAMETERS]);
         let moved = step[0].hypot(step[1])
             + sheet

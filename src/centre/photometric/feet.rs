@@ -3,6 +3,7 @@
 //! Q (`shape`) is quadratic along any ray, so that the way to its zero is known. The first ray follows the gradient at the pixel, the second the
 //! one where the first arrives.
 
+use super::boundary::by_moments;
 use super::real::Real;
 use super::shape::{SHAPE_PARAMETERS, Shape};
 use super::window::Grid;
@@ -200,8 +201,7 @@ impl Circle {
         self.by_moments(one + other, [one_x + other_x, one_y + other_y], squares)
     }
 
-    /// The changes of Q by the shape (`by_shape`), summed over places of the edge with their shares: sums of the shares, of the shares times x
-    /// and y, and times their squares and product; pixels of the grid about the ring's centre.
+    /// The changes of Q by the shape from moments in pixels of the grid.
     #[inline(always)]
     fn by_moments<T: Real>(
         &self,
@@ -210,22 +210,17 @@ impl Circle {
         [xx, xy, yy]: [T; 3],
     ) -> [T; SHAPE_PARAMETERS] {
         let (pixel, square) = (self.pixel_px, self.pixel_px * self.pixel_px);
-        let (x, y) = (x * pixel, y * pixel);
-        let (xx, xy, yy) = (xx * square, xy * square, yy * square);
-        let [nxx, nxy, nyy] = self.shape.affine.map(|v| -2.0 * v as f32);
         let q = self.shape.perspective;
-        let (qx, qy) = (q.x as f32, q.y as f32);
-        let squares = (2.0 * self.radius * self.radius) as f32;
-        let depth = (shares - x * qx - y * qy) * squares;
-        [
-            x * nxx + y * nxy - depth * qx,
-            x * nxy + y * nyy - depth * qy,
-            xx,
-            xy + xy,
-            yy,
-            (x - xx * qx - xy * qy) * squares,
-            (y - xy * qx - yy * qy) * squares,
-        ]
+        by_moments(
+            self.shape.affine.map(|v| v as f32),
+            [q.x as f32, q.y as f32],
+            (2.0 * self.radius * self.radius) as f32,
+            (
+                shares,
+                [x * pixel, y * pixel],
+                [xx * square, xy * square, yy * square],
+            ),
+        )
     }
 }
 

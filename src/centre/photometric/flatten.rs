@@ -52,10 +52,6 @@ pub(super) fn flatten(
         return false;
     };
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let pairs = rings.iter().zip(&shared.bent);
-    if !pairs.flat_map(|(r, b)| Some((r, (*b)?))).any(shows) {
-        return false;
-    }
     let work = rings.par_iter_mut().zip(board.places).zip(&shared.bent);
     let work = work.enumerate();
     let flattened = work.map_init(Workspace::default, |room, (i, ((ring, place), bent))| {

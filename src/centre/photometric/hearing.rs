@@ -13,13 +13,11 @@ use super::problem::Workspace;
 use super::psf::Both;
 use super::ring::{gate, has_contrast};
 use super::shape::Shape;
-use super::start::{Cut, cut, levels};
+use super::start::{self, Cut, cut, levels};
 use super::window::Window;
 use crate::frame::Frame;
 use rayon::prelude::*;
 
-/// Edges are where they seem to be while the blur is less than this fraction of the inner minor semi-axis.
-const SHARP: f64 = 0.16;
 /// Sizes (of the outline seen) and blurs (of the one seen) that are tried where they are not.
 const SIZES: [f64; 4] = [1.0, 0.92, 0.84, 0.74];
 const BLURS: [f64; 4] = [1.0, 1.35, 1.8, 2.4];
@@ -108,7 +106,7 @@ pub(super) fn follow(
 }
 
 pub(super) fn is_sharp(board: &BoardStart, place: &BoardPlace) -> bool {
-    place.sigma_px < SHARP * board.ratio * place.outline.minor
+    start::is_sharp(place.sigma_px, board.ratio * place.outline.minor)
 }
 
 pub(super) fn shape_of(place: &BoardPlace, view: Option<&PlaneView>) -> Shape {

@@ -37,7 +37,8 @@ pub(super) fn among_likes(
         let Ok(before) = both.likelier() else {
             return both;
         };
-        let models = likes(board, (place, view), &before);
+        let size = relative_size(place, &before);
+        let models = likes(board, view, size, &before.model);
         let Some(around) = around(&window.grid, board.ratio, (own, &models), room) else {
             return both;
         };
@@ -75,8 +76,8 @@ pub(super) fn alike(
     room: &mut Workspace,
 ) -> Option<[Vec<f32>; 2]> {
     let own = board.places.iter().position(|other| other == place)?;
-    let like = |other: &BoardPlace| RingModel {
-        shape: shape_of(other, view).scaled(size),
+    let like = RingModel {
+        shape: shape_of(place, view),
         blur,
         paper: 1.0,
         ring: 0.0,
@@ -84,21 +85,21 @@ pub(super) fn alike(
         shading: [0.0; 2],
         sheet: None,
     };
-    let models: Vec<RingModel> = board.places.iter().map(like).collect();
+    let models = likes(board, view, size, &like);
     around(&window.grid, board.ratio, (own, &models), room)
 }
 
-/// All rings of the board as one of them was fitted, each where it was seen.
+/// All rings of the board like this one but for their shapes: each as it was seen, larger by a factor.
 fn likes(
     board: &BoardStart,
-    (place, view): (&BoardPlace, Option<&PlaneView>),
-    fitted: &RingFitted,
+    view: Option<&PlaneView>,
+    size: f64,
+    model: &RingModel,
 ) -> Vec<RingModel> {
-    let size = relative_size(place, fitted);
     let like = |other: &BoardPlace| RingModel {
         shape: shape_of(other, view).scaled(size),
         sheet: None,
-        ..fitted.model
+        ..*model
     };
     board.places.iter().map(like).collect()
 }

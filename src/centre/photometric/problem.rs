@@ -129,13 +129,7 @@ impl Workspace {
     fn plain_gradient(&mut self, problem: &Problem, model: &RingModel) -> Option<(Vector, f64)> {
         let grid = &problem.window.grid;
         let ring = (&model.shape, &model.blur);
-        self.dispatch(
-            #[inline(always)]
-            |room| {
-                let (ratio, around) = (problem.ratio, problem.around);
-                room.coverage.fill(grid, ring, ratio, None, around)
-            },
-        )?;
+        self.circles_among(grid, ring, problem.ratio, problem.around)?;
         self.residuals.resize(grid.stride() * grid.height, 0.0);
         let (gradient, squares) = pull(model, problem.window, &self.coverage, &mut self.residuals);
         squares.is_finite().then_some((gradient, squares))

@@ -10,14 +10,13 @@ use super::fit::{Known, fit};
 use super::fitted::{FitError, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
-use super::start::levels;
+use super::start::{is_sharp, levels};
 
 /// The disc is tried from these radii, in standard deviations of the fitted Gaussian. Its own is 2; larger discs look sharper
 /// to a Gaussian, because they invert the inner circle's contrast.
 const DISC_STARTS: [f64; 4] = [1.7, 2.0, 2.4, 3.0];
-/// Which of them is a Gaussian's own, the only one where sigma is less than this part of the inner minor semi-axis: no contrast is inverted there.
+/// Which of them is a Gaussian's own, the only one where blur is small against the ring: no contrast is inverted there.
 const OWN: usize = 1;
-const SMALL: f64 = 0.16;
 /// A smaller disc than this hardly changes with its radius, px.
 const LEAST_START_PX: f64 = 0.5;
 
@@ -94,8 +93,7 @@ impl Known<'_> {
     fn fit_disc(&self, start: &RingModel, room: &mut Workspace) -> Result<RingFitted, FitError> {
         let sigma_px = start.blur.sigma_px();
         let inner = start.shape.ellipse(self.ratio);
-        let small = inner.is_some_and(|inner| sigma_px < SMALL * inner.minor);
-        let starts = if small {
+        let starts = if inner.is_some_and(|inner| is_sharp(sigma_px, inner.minor)) {
             &DISC_STARTS[OWN..=OWN]
         } else {
             &DISC_STARTS[..]

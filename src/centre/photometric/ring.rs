@@ -7,7 +7,7 @@ use super::fitted::{FitError, RingFitted};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::shape::Shape;
-use super::start::{Cut, cut, levels};
+use super::start::{Cut, cut, is_sharp, levels};
 use super::window::Window;
 use crate::centre::Ellipse;
 use crate::frame::{Frame, Linear};
@@ -29,8 +29,6 @@ const CUTS: usize = 4;
 const SIZES: [f64; 6] = [1.12, 1.0, 0.9, 0.8, 0.7, 0.58];
 const BLURS: [f64; 3] = [1.0, 1.35, 1.8];
 const BLURS_OF_SIZE: [f64; 5] = [0.12, 0.2, 0.3, 0.42, 0.56];
-/// Edges are where they seem to be while the blur is less than this fraction of the inner minor semi-axis.
-const SHARP: f64 = 0.16;
 /// So many of the starts are fitted.
 const FITTED: usize = 3;
 
@@ -159,7 +157,7 @@ fn fit_starts(
 /// Starts near an outline, the most promising first, no two of them alike.
 fn starts(window: &Window, ring: &RingStart, room: &mut Workspace) -> Vec<RingModel> {
     let seen_px = ring.seen.outline.mean_radius();
-    let sharp = ring.sigma_px < SHARP * ring.seen.ratio * ring.seen.outline.minor;
+    let sharp = is_sharp(ring.sigma_px, ring.seen.ratio * ring.seen.outline.minor);
     let seen_blurs = BLURS.iter().map(|factor| factor * ring.sigma_px.max(0.3));
     let (sizes, blurs): (&[f64], Vec<f64>) = if sharp {
         (&SIZES[1..2], seen_blurs.take(2).collect())

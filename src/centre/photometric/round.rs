@@ -12,8 +12,7 @@ use super::fitted::RingFitted;
 use super::jury::median;
 use super::model::RingModel;
 use super::problem::Workspace;
-use super::shape::AFFINE;
-use super::shape::Shape;
+use super::shape::{AFFINE, Shape};
 use super::under::Under;
 use super::window::Window;
 use nalgebra::{Matrix2, Vector2};
@@ -90,8 +89,7 @@ fn waves(known: &Known, fitted: &RingFitted, room: &mut Workspace) -> Option<[Wa
     let model = &fitted.model;
     room.residuals_and(known, model, Some(model.contrasts()));
     let sums = sums(known.window, model, room);
-    let [xx, xy, yy] = model.shape.affine;
-    let blur = model.blur.sigma_px() * (xx * yy - xy * xy).max(0.0).powf(0.25);
+    let blur = model.blur.sigma_px() / model.shape.size_px();
     let wave = |[cos, sin]: [Sum; 2], periods: f64| {
         let own = 0.5 * (cos.own + sin.own);
         (own > 0.0).then(|| Wave {

@@ -65,6 +65,12 @@ impl Shape {
         }
     }
 
+    /// Radius of a circle as large as the outer one without its perspective, px.
+    pub(super) fn size_px(&self) -> f64 {
+        let [xx, xy, yy] = self.affine;
+        (xx * yy - xy * xy).max(f64::MIN_POSITIVE).powf(-0.25)
+    }
+
     /// Centre x, y; affine xx, xy, yy; perspective x, y.
     pub(super) fn parameters(&self) -> [f64; SHAPE_PARAMETERS] {
         let [xx, xy, yy] = self.affine;

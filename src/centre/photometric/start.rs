@@ -12,6 +12,14 @@ use nalgebra::{SMatrix, SVector};
 /// A window's margin is at least this, px.
 const LEAST_MARGIN_PX: f64 = 3.0;
 
+/// Edges are where they seem to be while the blur is less than this fraction of the inner minor semi-axis.
+const SHARP: f64 = 0.16;
+
+/// Whether blur is so small against an inner circle (its minor semi-axis, px).
+pub(super) fn is_sharp(sigma_px: f64, inner_minor_px: f64) -> bool {
+    sigma_px < SHARP * inner_minor_px
+}
+
 /// How windows are cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Cut {

@@ -241,7 +241,7 @@ mod tests {
             for sigma_px in [0.02 * radius_px, 0.06 * radius_px, 0.2 * radius_px] {
                 let fitted = fitted(bent.straight, sigma_px, 1e-4);
                 let found = found_of_bent(&fitted, &bent, image, 0.5, &mut room).unwrap();
-                let off = (found.centre - bent.free.centre).norm();
+                let off = (found.centre - bent.free().unwrap().centre).norm();
                 let most = bent.unlike_px(sigma_px);
                 assert!(off < most, "{radius_px} px, {sigma_px} px: {off}, {most}");
             }

@@ -53,7 +53,7 @@ fn straightened(
 ) -> Option<RingFitted> {
     let unlike_px = bent.unlike_px(ring.model.blur.sigma_px());
     let found = if unlike_px < WORTH * deviation_px(ring) {
-        bent.free
+        bent.free()?
     } else {
         found_of_bent(ring, bent, image, ratio, room)?
     };

@@ -112,9 +112,10 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         .par_iter()
         .map(|place| Under::begin(frame, (board, place, view.as_ref()), &verdict))
         .collect();
+    let mut crowd = None;
     for round in 0..ROUNDS {
         if round > 1 {
-            settle_together(board.ratio, &mut rings);
+            crowd = settle_together(board.ratio, &mut rings);
         }
         let moved = fit_round(board, view.as_ref(), &mut rings, round);
         let failed = rings.iter().filter(|ring| ring.fitted.is_err()).count();
@@ -143,12 +144,16 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         is_stale = true;
     }
     if even_out(board, &mut rings) {
-        settle_together(board.ratio, &mut rings);
+        crowd = settle_together(board.ratio, &mut rings).or(crowd);
         is_stale = true;
     }
     is_stale |= Usual::leave_out_covered(&mut rings);
     let out_of_round = out_of_round(board.ratio, &rings);
     is_stale |= bend_back(&mut rings);
+    if let Some(crowd) = crowd {
+        crowd.widen(&mut rings);
+        is_stale = true;
+    }
     if is_stale {
         shared = Shared::of(board, &rings, &camera);
     }

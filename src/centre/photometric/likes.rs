@@ -17,54 +17,92 @@ use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::psf::Both;
 use super::window::Window;
+use nalgebra::Vector2;
 
-/// Fits at most, and the relative change of its blur at which it stays.
-const FITS: usize = 8;
-const STAYS: f64 = 0.01;
+/// Fits at most, and the relative change of its size and its blur at which it stays.
+const FITS: usize = 12;
+const STAYS: f64 = 0.002;
+/// The next drawing leads on from a fit by this many times the last change of the fits at most.
+const FARTHEST: f64 = 6.0;
 
-/// The fits of a juror among the others; as they were where none is in reach.
+/// The fits of a juror among the others, each among others in its own kind of blur: beside rings in the wrong one the right one cannot win.
+/// As they were where none is in reach.
 pub(super) fn among_likes(
     board: &BoardStart,
     (place, view): (&BoardPlace, Option<&PlaneView>),
     window: &Window,
-    mut both: Both,
+    both: Both,
     room: &mut Workspace,
 ) -> Both {
     let Some(own) = board.places.iter().position(|other| other == place) else {
         return both;
     };
+    let mut settle = |fit: Result<RingFitted, FitError>| {
+        let before = fit?;
+        let standing = (board, (place, view), own);
+        Ok(settle_among(standing, window, before, room).unwrap_or(before))
+    };
+    Both {
+        gaussian: settle(both.gaussian),
+        disc: settle(both.disc),
+    }
+}
+
+/// A juror's fit among rings drawn as it was fitted, until it stays; `None` where none is in reach or one of the fits fails.
+fn settle_among(
+    (board, (place, view), own): (&BoardStart, (&BoardPlace, Option<&PlaneView>), usize),
+    window: &Window,
+    mut fitted: RingFitted,
+    room: &mut Workspace,
+) -> Option<RingFitted> {
+    // logarithms of size and blur sigma: those that are drawn, and those that were fitted and drawn the time before
+    let looks = |fitted: &RingFitted| {
+        let sigma_px = fitted.model.blur.sigma_px().max(f64::MIN_POSITIVE);
+        Vector2::new(relative_size(place, fitted).ln(), sigma_px.ln())
+    };
+    let mut drawn = looks(&fitted);
+    let mut last: Option<(Vector2<f64>, Vector2<f64>)> = None;
     for _ in 0..FITS {
-        let Ok(before) = both.likelier() else {
-            return both;
+        let like = RingModel {
+            blur: Blur::of_sigma(fitted.model.blur.psf, drawn.y.exp()),
+            ..fitted.model
         };
-        let size = relative_size(place, &before);
-        let models = likes(board, view, size, &before.model);
-        let Some(around) = around(&window.grid, board.ratio, (own, &models), room) else {
-            return both;
-        };
+        let models = likes(board, view, drawn.x.exp(), &like);
+        let around = around(&window.grid, board.ratio, (own, &models), room)?;
         let known = Known {
             window,
             ratio: board.ratio,
             around: Some(&around),
             given: Given::NearStart,
         };
-        let mut again = |fit: Result<RingFitted, FitError>| {
-            fit.and_then(|f| known.fit_with(&f.model, f.model.blur.psf, room))
-        };
-        let next = Both {
-            gaussian: again(both.gaussian),
-            disc: again(both.disc),
-        };
-        let Ok(after) = next.likelier() else {
-            return both;
-        };
-        both = next;
-        let (old_px, new_px) = (before.model.blur.sigma_px(), after.model.blur.sigma_px());
-        if (new_px - old_px).abs() < STAYS * old_px {
+        fitted = known
+            .fit_with(&fitted.model, fitted.model.blur.psf, room)
+            .ok()?;
+        let fits = looks(&fitted);
+        let apart = fits - drawn;
+        if apart.amax() < STAYS {
             break;
         }
+        let (next, change) = (fits + onwards(last, fits, apart), apart);
+        last = Some((fits, change));
+        drawn = next;
     }
-    both
+    Some(fitted)
+}
+
+/// How far beyond a fit the others are drawn next: fits that follow one another creep to where they end, each by a part of the change
+/// before, and two of them tell where that is (Anderson 1965, of the last two).
+fn onwards(
+    last: Option<(Vector2<f64>, Vector2<f64>)>,
+    fits: Vector2<f64>,
+    apart: Vector2<f64>,
+) -> Vector2<f64> {
+    let Some((fits_before, apart_before)) = last else {
+        return Vector2::zeros();
+    };
+    let turned = apart - apart_before;
+    let share = apart.dot(&turned) / turned.norm_squared().max(f64::MIN_POSITIVE);
+    (fits_before - fits) * share.clamp(-FARTHEST, 0.9)
 }
 
 /// Coverages of a ring's window by the others, all of them this large (over what was seen) and in this blur.

@@ -9,7 +9,7 @@
 //!                      model = levels x coverage x shading, and the end of the `sheet` (`corner`) where it is in reach
 //!                      coverage = stamps (`gaussian`, `disc`) along the outlines (`boundary`) of a `shape`
 //! outlines -> board    all rings of a view: a `jury` for blur and size (heard among `likes`), the skirts `around` each ring, what of
-//!                      the surroundings to `trust`, the steps they take together where they are crowded (`joint`, `gmres`), blur
+//!                      the surroundings to `trust`, the steps they take together where they are crowded (`joint`, `crowd`, `gmres`), blur
 //!                      that is `uneven`, bends that show (`flatten`), the perspective they share (`law`, `lens_map`), and whether their outlines are `round`
 //! kept     -> refit    the second pass: rings that a view kept, their shapes known; what the lens's bends do is taken off (`straight`)
 //! ```
@@ -28,6 +28,7 @@ mod censored;
 mod choice;
 mod corner;
 mod coverage;
+mod crowd;
 mod dense;
 mod descent;
 mod disc;

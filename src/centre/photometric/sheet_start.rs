@@ -82,6 +82,21 @@ pub(super) fn with_sheet(
     (fitted.squares + WORTH * variance < usual.squares).then_some(fitted)
 }
 
+/// Whether the end of the sheet that a fit knows shows in its window: one that was found beside neighbours that had not settled runs away
+/// as they do, or fades, and then its place is anything.
+pub(super) fn shows(window: &Window, fitted: &RingFitted) -> bool {
+    let Some(end) = fitted.model.sheet else {
+        return false;
+    };
+    let least = LEAST_NOISE * (fitted.model.paper - fitted.model.ring).abs();
+    let step = end.beyond - fitted.model.paper;
+    let mut squares = 0.0;
+    for_each_missing(window, fitted, &end, |i, missing| {
+        squares += f64::from(missing * missing * window.weights[i]);
+    });
+    step * step * squares > WORTH_A_FIT * fitted.noise.max(least).powi(2)
+}
+
 /// An edge that may be there.
 #[derive(Debug, Clone, Copy)]
 struct Candidate {
@@ -128,7 +143,12 @@ impl Candidate {
 
     /// Takes what this edge explains out of the residuals.
     fn explain(&self, window: &Window, fitted: &RingFitted, residuals: &mut [f32]) {
-        for_each_missing(window, fitted, self.edge, |i, missing| {
+        let end = SheetEnd {
+            beyond: 0.0,
+            edge: self.edge,
+            other: None,
+        };
+        for_each_missing(window, fitted, &end, |i, missing| {
             residuals[i] -= self.step as f32 * missing * window.weights[i];
         });
     }
@@ -197,18 +217,13 @@ fn step_of(blur: &Blur, grid: &Grid, step_px: f64) -> Vec<f64> {
 fn for_each_missing(
     window: &Window,
     fitted: &RingFitted,
-    edge: Edge,
+    end: &SheetEnd,
     mut visit: impl FnMut(usize, f32),
 ) {
-    let end = SheetEnd {
-        beyond: 0.0,
-        edge,
-        other: None,
-    };
     let (grid, stride) = (&window.grid, window.grid.stride());
     let mut missing = SheetRow::default();
     for row in 0..grid.height {
-        missing.fill(&end, &fitted.model.blur, grid, row);
+        missing.fill(end, &fitted.model.blur, grid, row);
         let pixels = missing.missing[..grid.width].iter().enumerate();
         pixels.for_each(|(column, &part)| visit(row * stride + column, part));
     }

@@ -10,7 +10,7 @@ use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::ring::{RingError, Seen, gate};
-use super::sheet_start::with_sheet;
+use super::sheet_start::{shows, with_sheet};
 use super::start::{Cut, cut};
 use super::trust::Surroundings;
 use super::window::Window;
@@ -110,15 +110,7 @@ impl Under {
             around,
             given: Given::NearStart,
         };
-        let psf = self.model.blur.psf;
-        let first = known.fit_with(&self.model, psf, room).or_else(|_| {
-            // the start was not near after all
-            let carefully = Known {
-                given: Given::Nothing,
-                ..known
-            };
-            carefully.fit_with(&self.model, psf, room)
-        })?;
+        let first = self.fit_known(&known, room)?;
         let Some(surroundings) = Surroundings::of(&first, &window.grid) else {
             return Ok(first);
         };
@@ -156,8 +148,31 @@ impl Under {
             around,
             given: Given::NearStart,
         };
-        let fitted = rest.fit_with(&believed.model, psf, room)?;
+        let fitted = rest.fit_with(&believed.model, believed.model.blur.psf, room)?;
         Ok(fitted.widened_by(&believed))
+    }
+
+    /// From where it stands, with the end of the sheet as long as that shows.
+    fn fit_known(&self, known: &Known, room: &mut Workspace) -> Result<RingFitted, FitError> {
+        let psf = self.model.blur.psf;
+        // where a start is not near after all, from it with care
+        let mut fit = |model: &RingModel| {
+            let carefully = Known {
+                given: Given::Nothing,
+                ..*known
+            };
+            let near = known.fit_with(model, psf, room);
+            near.or_else(|_| carefully.fit_with(model, psf, room))
+        };
+        let fitted = fit(&self.model);
+        let is_idle = |fitted: &RingFitted| !shows(known.window, fitted);
+        if self.model.sheet.is_some() && fitted.as_ref().map_or(true, is_idle) {
+            return fit(&RingModel {
+                sheet: None,
+                ..self.model
+            });
+        }
+        fitted
     }
 
     /// Whether its last fit moved it away from a model.

@@ -188,3 +188,25 @@ fn rings_as_small_as_their_blur_are_told_from_their_neighbours() {
         }
     }
 }
+
+#[test]
+fn rings_that_all_but_touch_are_measured_in_heavy_blur() {
+    let tight = Board::new(7, 7, 0.03, 0.006, 0.0126, Polarity::DarkOnLight).unwrap();
+    let poses = views(&CAMERA, &tight, 4, 0.6, 11).unwrap();
+    // blur sigma over the outer radius
+    for (pose, blur) in [(poses[2], 0.31), (poses[3], 0.34)] {
+        let radius_px = tight.outer_radius_m() * CAMERA.intrinsics.fx / pose.translation_m.z;
+        let mut scene = Scene::new(CAMERA, tight.clone(), pose);
+        scene.defocus = Defocus::gaussian(blur * radius_px);
+        scene.light.margin = f64::INFINITY;
+        scene.light.shading = [0.25, -0.1];
+        scene.sensor.read_noise = 0.005;
+        let rendering = render(&scene, 3).unwrap();
+        let detector = Detector::new(tight.clone(), DetectOptions::default());
+        let detection = detector.detect(&rendering.frame).unwrap();
+        assert_eq!(detection.rings.len(), 49);
+        let [shared, _, normalised] = figures(&[(detection, rendering.truth)]);
+        assert!(shared < 0.02, "{blur}: {shared}");
+        assert!(normalised < 3.2, "{blur}: {normalised}");
+    }
+}

@@ -169,3 +169,54 @@ fn a_board_that_goes_on_where_rings_are_scratched_is_none() {
         "{miss}"
     );
 }
+
+/// Of the inner discs a point of light is left, which is neither an inner circle nor none.
+#[test]
+fn discs_as_large_as_the_inner_circle_are_seen_through() {
+    for (polarity, angle) in [(Polarity::DarkOnLight, 0.3), (Polarity::LightOnDark, -0.2)] {
+        let board = Board::new(4, 5, 0.0213, 0.6 * OUTER_M, OUTER_M, polarity).unwrap();
+        for blur in [1.0, 1.1] {
+            let mut scene = scene(&board, 26.0, (0.1, 0.1, angle));
+            scene.light = Light::on(polarity);
+            scene.defocus = Defocus::disc(blur * 0.6 * 26.0);
+            scene.sensor.read_noise = 0.002;
+            let what = format!("{polarity:?}, disc {blur} of the inner circle");
+            assert_found(&board, &render(&scene, 7).unwrap(), 0.2, &what);
+        }
+    }
+}
+
+/// The far columns of a steep board are smaller than the disc of blur: edges do not show them.
+#[test]
+fn columns_that_blur_drowns_are_found_by_their_grey_values() {
+    let ratio = 0.45;
+    let board = Board::new(
+        5,
+        7,
+        0.0203,
+        ratio * OUTER_M,
+        OUTER_M,
+        Polarity::LightOnDark,
+    )
+    .unwrap();
+    for disc in [9.0, 10.0, 11.0] {
+        let mut scene = scene(&board, 15.0, (0.2, 0.95, 0.1));
+        scene.light = Light::on(Polarity::LightOnDark);
+        scene.defocus = Defocus::disc(disc);
+        scene.sensor.read_noise = 0.003;
+        let found = detect(&board, &render(&scene, 5).unwrap().frame);
+        let found = found.unwrap_or_else(|miss| panic!("disc of {disc} px: {miss}"));
+        assert!(found.rings.len() >= 30, "{disc}: {}", found.rings.len());
+        let truth = render(&scene, 5).unwrap().truth;
+        for ring in &found.rings {
+            let at = usize::from(ring.row) * 7 + usize::from(ring.column);
+            let off = (truth.rings[at].centre - ring.centre.point).norm();
+            assert!(
+                off < 0.5,
+                "disc of {disc} px: {} {}: {off}",
+                ring.row,
+                ring.column
+            );
+        }
+    }
+}

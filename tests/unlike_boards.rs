@@ -182,3 +182,15 @@ fn hexagons_are_not_round() {
         assert!(detect(&frame).is_err(), "{pitch_px} {blur_px}");
     }
 }
+
+/// A hexagonal grid seen at an angle may be square in the frame; its circles are not round there.
+#[test]
+fn rings_in_hexagons_are_no_board_where_perspective_makes_squares_of_them() {
+    let on_their_plane = Matrix2::new(1.0, 0.5, 0.0, 0.866) / 0.866_f64.sqrt();
+    for (pitch_px, blur_px) in [(40.0, 0), (40.0, 2), (60.0, 3)] {
+        let frame = picture(pitch_px, blur_px, |at, _| {
+            is_ring(on_their_plane * at, 0.95 * RADIUS)
+        });
+        assert!(detect(&frame).is_err(), "{pitch_px} {blur_px}");
+    }
+}

@@ -1,6 +1,6 @@
 //! The projected centres of the rings that were found, by the estimator that was asked for.
 
-use super::detection::{FellBack, Measured, Ring};
+use super::detection::{FellBack, Indices, Measured, Ring};
 use super::detector::DetectOptions;
 use super::grid::Placed;
 use super::odd_ones::leave_out_odd_ones;
@@ -18,13 +18,16 @@ use std::sync::Arc;
 
 /// A ring so far from its neighbours' prediction, in minor semi-axes, is something else.
 const FARTHEST: f64 = 0.6;
+/// Edges say where a ring is up to this blur sigma over its width.
+const MOST_BLURRED: f64 = 0.25;
 
 /// The rings of a board with their centres, and what the photometric estimator says of the frame; `sign` is 1 for dark rings, -1
-/// for light ones. A ring whose ellipses have no projected centre is left out.
+/// for light ones. A ring whose ellipses have no projected centre is left out. Rings that showed no edges are looked for, too: on the
+/// whole board where the rows and columns placed are numbered as the board's, else as far as these reach.
 pub(super) fn centres(
     frame: &Frame,
     board: &Board,
-    placed: &[Placed],
+    (placed, indices): (&[Placed], Indices),
     options: &DetectOptions,
     sign: f64,
 ) -> (Vec<Ring>, Option<Measured>) {
@@ -37,7 +40,7 @@ pub(super) fn centres(
             (rings.collect(), None)
         }
         None => {
-            let (rings, measured) = photometric(frame, board, placed, options, sign);
+            let (rings, measured) = photometric(frame, board, (placed, indices), options, sign);
             (rings, Some(measured))
         }
     }
@@ -87,7 +90,7 @@ pub(super) fn drawn(
 fn photometric(
     frame: &Frame,
     board: &Board,
-    placed: &[Placed],
+    (placed, indices): (&[Placed], Indices),
     options: &DetectOptions,
     sign: f64,
 ) -> (Vec<Ring>, Measured) {
@@ -100,7 +103,7 @@ fn photometric(
             sigma_px: ring.blur_sigma_px,
         })
         .collect();
-    for (label, place) in unseen(frame, board, placed) {
+    for (label, place) in unseen(frame, board, placed, indices) {
         at.push(label);
         places.push(place);
     }
@@ -180,6 +183,10 @@ fn fall_back(
     report: &mut Measured,
 ) -> Option<Ring> {
     let construction = Estimator::FALLBACK.construction()?;
+    // edges of a ring that is filled with blur are not where its circles are, and nobody knows by how much
+    if ring.blur_sigma_px > MOST_BLURRED * ring.ellipses.width() {
+        return None;
+    }
     let careful = measure(
         frame,
         &ring.ellipses,
@@ -208,7 +215,12 @@ fn is_expected(place: &BoardPlace, ring: &RingMeasured) -> bool {
 }
 
 /// The board's rings that showed no edges, where those that did say they are, as far as they lie inside the frame.
-fn unseen(frame: &Frame, board: &Board, placed: &[Placed]) -> Vec<((u16, u16), BoardPlace)> {
+fn unseen(
+    frame: &Frame,
+    board: &Board,
+    placed: &[Placed],
+    indices: Indices,
+) -> Vec<((u16, u16), BoardPlace)> {
     let pairs: Vec<_> = placed
         .iter()
         .map(|ring| {
@@ -220,7 +232,10 @@ fn unseen(frame: &Frame, board: &Board, placed: &[Placed]) -> Vec<((u16, u16), B
         return Vec::new();
     };
     // numbers that begin at the first row seen say nothing of rows beyond the last
-    let last = |of: fn(&Placed) -> u16| placed.iter().map(of).max().unwrap_or(0);
+    let last = |of: fn(&Placed) -> u16| match indices {
+        Indices::Absolute => u16::MAX,
+        Indices::Relative => placed.iter().map(of).max().unwrap_or(0),
+    };
     let (last_row, last_column) = (last(|ring| ring.row), last(|ring| ring.column));
     let labels = board.indices();
     labels

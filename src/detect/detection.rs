@@ -145,6 +145,9 @@ pub enum Odd {
     /// Only rings with less light than none would look like that.
     #[error("rings that look like that would be darker than black")]
     Darkness,
+    /// Rings in rows that do not run across each other: a plane seen at an angle shows circles as ellipses that fit its rows and columns.
+    #[error("their rows and columns do not stand at right angles, or not at equal distances")]
+    Skewed,
     /// Squares, letters, pieces of rings.
     #[error("their outlines are not round")]
     Outlines,
@@ -263,6 +266,20 @@ pub enum Miss {
         sigma_px: f64,
         /// Median width of the rings, inner to outer edge, px.
         width_px: f64,
+    },
+    /// A grid smaller than the board, in a place where more of it may be out of sight.
+    #[error(
+        "found {found_rows} x {found_columns}, the board file says {rows} x {columns}: a wrong file, or the others are hidden or outside the image"
+    )]
+    Smaller {
+        /// Rows seen.
+        found_rows: usize,
+        /// Columns seen.
+        found_columns: usize,
+        /// Rows of the board.
+        rows: u16,
+        /// Columns of the board.
+        columns: u16,
     },
     /// A grid of another size.
     #[error("found {found_rows} x {found_columns}, the board file says {rows} x {columns}")]

@@ -1,12 +1,14 @@
 //! The detector: a board and how to look for it.
 
 use super::centres::board_homography;
-use super::detection::{Detection, Miss, Ring};
+use super::detection::{Detection, Indices, Measured, Miss, Ring};
+use super::evidence::{are_rings, clearer, evidence};
 use super::grid::{Grid, find_grid};
 use super::light::bad_light;
 use super::likeness::are_the_boards;
 use super::other_size::Beside;
 use super::outermost::sure_centres;
+use super::proposals::{Refused, confirmed};
 use super::required::Required;
 use super::ring_fit::{Care, RingFit};
 use super::rings::{add_drowned, find_rings};
@@ -18,7 +20,6 @@ use crate::camera::Camera;
 use crate::centre::Estimator;
 use crate::centre::photometric::{PsfChoice, ResponseGamma};
 use crate::frame::Frame;
-use std::ops::Range;
 
 /// How to look for a board.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -46,13 +47,6 @@ pub struct Detector {
 /// Side of a ring that can be measured at all, px.
 const LEAST_RING_PX: usize = 6;
 
-/// Fraction of a board's rings that must have a ring's grey values.
-const LEAST_MEASURED: f64 = 0.5;
-/// Contrast across the inner circle over that across the outer: 1 in print, less than a quarter where a dot is taken for a ring, more
-/// than twice where a fit under heavy blur makes up levels that no print has, to resemble a spot of another shape.
-const INSIDE: Range<f64> = 0.5..2.0;
-/// Blur sigma over the ring's width from which edges say so little that blur is to blame.
-const HEAVY: f64 = 0.5;
 /// The same up to which a ring shows for what it is.
 const PLAIN: f64 = 0.3;
 
@@ -153,8 +147,10 @@ impl Detector {
                 return found;
             }
             scales.turn_to(one.sign);
-            let grid = self.search(scales, one.rings, care)?;
-            self.measured(frame, grid, one.sign)
+            match self.search(scales, one.rings, care) {
+                Ok(grid) => self.measured(frame, grid, one.sign),
+                Err(refused) => self.by_grey(frame, refused, one.sign),
+            }
         });
         let first = answers.next().unwrap_or(Err(Miss::NoRing));
         let clear = shows.windows(2).all(|both| 2 * both[1] < both[0]);
@@ -200,7 +196,37 @@ impl Detector {
     /// The rings of a grid measured, and whether they are the board's; `sign` is 1 for dark rings, -1 for light ones.
     fn measured(&self, frame: &Frame, grid: Grid, sign: f64) -> Result<Detection, Miss> {
         let (indices, another) = (grid.indices, grid.another);
-        let (rings, photometric) = sure_centres(frame, &self.board, grid, &self.options, sign)?;
+        let centres = sure_centres(frame, &self.board, grid, &self.options, sign)?;
+        self.judged(frame, centres, indices, another)
+    }
+
+    /// The board where edges say too little to know which ring is which, but grey values agree with just one way to lay it over them.
+    fn by_grey(&self, frame: &Frame, refused: Refused, sign: f64) -> Result<Detection, Miss> {
+        if self.options.estimator != Estimator::Photometric {
+            return Err(refused.miss);
+        }
+        for ways in refused.to_measure() {
+            let confirmed = ways
+                .iter()
+                .filter_map(|placed| confirmed(frame, &self.board, placed, &self.options, sign));
+            let mut confirmed: Vec<_> = confirmed.collect();
+            if let Some(centres) = confirmed.pop().filter(|_| confirmed.is_empty())
+                && let Ok(found) = self.judged(frame, centres, Indices::Absolute, None)
+            {
+                return Ok(found);
+            }
+        }
+        Err(refused.miss)
+    }
+
+    /// Whether measured rings are the board's.
+    fn judged(
+        &self,
+        frame: &Frame,
+        (rings, photometric): (Vec<Ring>, Option<Measured>),
+        indices: Indices,
+        another: Option<usize>,
+    ) -> Result<Detection, Miss> {
         let least = self.options.required.least(&self.board);
         if rings.len() < least {
             return Err(Miss::TooFewRings {
@@ -229,12 +255,24 @@ impl Detector {
     }
 
     /// The board among all rings of the frame, or among these and whatever may be one whose inner disc has drowned.
-    fn search(&self, scales: &mut Scales, rings: Vec<RingFit>, care: Care) -> Result<Grid, Miss> {
+    fn search(
+        &self,
+        scales: &mut Scales,
+        rings: Vec<RingFit>,
+        care: Care,
+    ) -> Result<Grid, Refused> {
         let (frame, sign) = (scales.frame, scales.sign);
         let how = (&self.options, Beside::Alike);
-        find_grid(frame, &self.board, &rings, sign, how).or_else(|_| {
+        find_grid(frame, &self.board, &rings, sign, how).or_else(|first| {
             let all = add_drowned(scales, &self.board, rings, care);
-            find_grid(frame, &self.board, &all, sign, how)
+            find_grid(frame, &self.board, &all, sign, how).map_err(|mut second| {
+                second.proposals.extend(first.proposals);
+                // what sharper rings say of the size is not unsaid by fainter ones
+                if matches!(first.miss, Miss::WrongSize { .. } | Miss::Smaller { .. }) {
+                    second.miss = first.miss;
+                }
+                second
+            })
         })
     }
 }
@@ -251,59 +289,4 @@ fn explained(miss: Miss, frame: &Frame) -> Miss {
     } else {
         miss
     }
-}
-
-/// The answer for which more rings speak; the first where as many do.
-fn clearer(
-    first: Result<Detection, Miss>,
-    second: Result<Detection, Miss>,
-) -> Result<Detection, Miss> {
-    if evidence(&second) > evidence(&first) {
-        second
-    } else {
-        first
-    }
-}
-
-/// How many rings speak for a detection.
-fn evidence(detection: &Result<Detection, Miss>) -> usize {
-    detection
-        .as_ref()
-        .map_or(0, |found| match found.photometric {
-            Some(_) => measured(&found.rings).count(),
-            None => found.rings.len(),
-        })
-}
-
-/// The rings whose grey values are a ring's: paper shows again inside, which a plain dot does not have.
-fn measured(rings: &[Ring]) -> impl Iterator<Item = &Ring> {
-    rings.iter().filter(|ring| {
-        ring.kept
-            .as_ref()
-            .is_some_and(|kept| INSIDE.contains(&kept.fitted.model.inner_over_outer()))
-    })
-}
-
-/// Whether enough of the rings have the grey values of rings.
-fn are_rings(rings: &[Ring]) -> Result<(), Miss> {
-    let fitted = measured(rings).count();
-    if fitted as f64 >= LEAST_MEASURED * rings.len() as f64 {
-        return Ok(());
-    }
-    let median = |of: fn(&Ring) -> f64| {
-        let mut values: Vec<f64> = rings.iter().map(of).collect();
-        values.sort_by(f64::total_cmp);
-        values.get(values.len() / 2).copied().unwrap_or(0.0)
-    };
-    let (sigma_px, width_px) = (
-        median(|ring| ring.blur_sigma_px),
-        median(|ring| ring.ellipses.width()),
-    );
-    if sigma_px > HEAVY * width_px {
-        return Err(Miss::TooBlurred { sigma_px, width_px });
-    }
-    Err(Miss::NotRings {
-        found: rings.len(),
-        rings: fitted,
-    })
 }

@@ -5,8 +5,10 @@ use super::detector::DetectOptions;
 use super::labelling::{Label, Lattice, extent, lattices};
 use super::marks::numbering_by_marks;
 use super::measured::Measured;
+use super::orientation::Numbering;
 use super::other_size::Beside;
-use super::plausible::{has_the_ratio, is_plausible};
+use super::plausible::{Asked, has_the_ratio, is_plausible};
+use super::proposals::Refused;
 use super::required::Required;
 use super::ring_fit::{Care, RingFit};
 use crate::board::Board;
@@ -14,11 +16,14 @@ use crate::centre::{Ellipse, RingEllipses};
 use crate::frame::Frame;
 
 /// How large drowned rings look, over their true size: tried after 1.
-const DROWNED_SIZES: [f64; 3] = [0.7, 0.5, 0.35];
+pub(super) const DROWNED_SIZES: [f64; 3] = [0.7, 0.5, 0.35];
+/// So many lattices are tried at most: print beside a board may look larger and stand in rows, too.
+const MOST_LIKELY: usize = 2;
 /// Lattices of another size are tried where they have this fraction of the board's rings.
 const WORTH_A_TRY: f64 = 0.3;
 
 /// One ring of the board: where it is on the board and what it looks like.
+#[derive(Clone, Copy)]
 pub(super) struct Placed {
     pub(super) row: u16,
     pub(super) column: u16,
@@ -46,65 +51,66 @@ pub(super) fn find_grid(
     rings: &[RingFit],
     sign: f64,
     (options, beside): (&DetectOptions, Beside),
-) -> Result<Grid, Miss> {
+) -> Result<Grid, Refused> {
     if rings.is_empty() {
-        return Err(Miss::NoRing);
+        return Err(Miss::NoRing.into());
     }
     let spacing = board.pitch_m() / board.outer_radius_m();
     let outers: Vec<Ellipse> = rings.iter().map(|ring| ring.outer).collect();
     let mut first = None;
+    let mut proposals = Vec::new();
     for lattices in lattices_of_any_size(board, rings, &outers, spacing) {
-        let (measured, another) =
-            match measured(frame, board, (rings, &outers), sign, (options, &lattices)) {
-                Ok(measured) => measured,
-                Err(miss) => {
-                    first.get_or_insert(miss);
-                    continue;
+        let (chosen, another) = likely(board, &outers, &lattices);
+        if chosen.is_empty() {
+            first.get_or_insert(too_few_or_no_grid(board, rings.len(), options.required));
+        }
+        for lattice in chosen {
+            let care = Care::of(options.estimator);
+            let mut measured = Measured::new(frame, board, rings, sign, lattice, care);
+            measured.complete(options.required.least(board));
+            let refused = match measured.verdict_or_without_strays(options.required, beside) {
+                Ok((rings, indices)) => {
+                    return Ok(Grid {
+                        rings,
+                        indices,
+                        another,
+                    });
                 }
+                Err(refused) => refused,
             };
-        match measured.verdict_or_without_strays(options.required, beside) {
-            Ok((rings, indices)) => {
-                return Ok(Grid {
-                    rings,
-                    indices,
-                    another,
+            proposals.extend(refused.proposals);
+            // every second ring of a larger board may be a board of this size
+            if matches!(refused.miss, Miss::WrongSize { .. }) {
+                return Err(Refused {
+                    miss: first.unwrap_or(refused.miss),
+                    proposals,
                 });
             }
-            Err(miss) => {
-                first.get_or_insert(miss);
-            }
+            first.get_or_insert(refused.miss);
         }
     }
-    Err(first.unwrap_or(Miss::NoRing))
+    Err(Refused {
+        miss: first.unwrap_or(Miss::NoRing),
+        proposals,
+    })
 }
 
-/// The lattice that looks most like the board, its missing rings looked for, and the rings of another board.
-fn measured<'a>(
-    frame: &'a Frame,
-    board: &'a Board,
-    (rings, outers): (&[RingFit], &[Ellipse]),
-    sign: f64,
-    (options, lattices): (&DetectOptions, &[Lattice]),
-) -> Result<(Measured<'a>, Option<usize>), Miss> {
+/// The lattices that can be the board, those that look largest first, and how many rings of another board there are.
+fn likely<'a>(
+    board: &Board,
+    outers: &[Ellipse],
+    lattices: &'a [Lattice],
+) -> (Vec<&'a Lattice>, Option<usize>) {
     // a board that is less than half seen is no second one
-    let boards = lattices
-        .iter()
-        .filter(|lattice| 2 * lattice.members.len() >= board.ring_count());
-    let another = boards.clone().map(|l| l.members.len()).nth(1);
-    let largest = boards.max_by(|a, b| size_px(a, outers).total_cmp(&size_px(b, outers)));
-    let Some(lattice) = largest.or(lattices.first()) else {
-        return Err(too_few_or_no_grid(board, rings.len(), options.required));
-    };
-    let mut measured = Measured::new(
-        frame,
-        board,
-        rings,
-        sign,
-        lattice,
-        Care::of(options.estimator),
-    );
-    measured.complete(options.required.least(board));
-    Ok((measured, another))
+    let half = |lattice: &&Lattice| 2 * lattice.members.len() >= board.ring_count();
+    let mut boards: Vec<&Lattice> = lattices.iter().filter(half).collect();
+    let another = boards.get(1).map(|lattice| lattice.members.len());
+    boards.sort_by(|a, b| size_px(b, outers).total_cmp(&size_px(a, outers)));
+    boards.truncate(MOST_LIKELY);
+    if boards.is_empty() {
+        boards.extend(lattices.first());
+    }
+    (boards, another)
 }
 
 /// The lattices of rings. Where most inner discs have drowned, blur as large as the rings lets them look smaller than they are, so that
@@ -155,20 +161,50 @@ fn too_few_or_no_grid(board: &Board, found: usize, required: Required) -> Miss {
 }
 
 impl Measured<'_> {
-    /// The verdict; under heavy blur, where it is none, that without the spots that are not like their neighbours.
+    /// The verdict; where it is none, that without the spots that are not like their neighbours.
     fn verdict_or_without_strays(
-        self,
+        mut self,
         required: Required,
         beside: Beside,
-    ) -> Result<(Vec<Placed>, Indices), Miss> {
-        let mut others = self.is_heavily_blurred().then(|| self.clone());
-        self.verdict(required, beside).or_else(|miss| {
-            let cleared = others.as_mut().is_some_and(Self::leave_out_unlike);
-            match others.filter(|_| cleared) {
-                Some(others) => others.verdict(required, beside).map_err(|_| miss),
-                None => Err(miss),
-            }
+    ) -> Result<(Vec<Placed>, Indices), Refused> {
+        let miss = match self.clone().verdict(required, beside) {
+            Ok(found) => return Ok(found),
+            Err(miss) => miss,
+        };
+        let mut proposals = self.proposals(required);
+        let cleared = self.shows_enough() && self.leave_out_unlike();
+        let miss = match cleared.then(|| self.clone().verdict(required, beside)) {
+            Some(Ok(found)) => return Ok(found),
+            // a size says more
+            Some(Err(second @ (Miss::WrongSize { .. } | Miss::Smaller { .. }))) => second,
+            Some(Err(_)) | None => miss,
+        };
+        if proposals.is_empty() {
+            proposals = self.proposals(required);
+        }
+        Err(Refused {
+            miss,
+            proposals: vec![proposals],
         })
+    }
+
+    /// The rings that lie on the board, by row, then column.
+    pub(super) fn placed(&self, numbering: Numbering) -> Vec<Placed> {
+        let (rows, columns) = (self.board.rows(), self.board.columns());
+        let rings = self.rings.iter().filter_map(|(&label, ring)| {
+            let (column, row) = numbering.of(label);
+            let column = u16::try_from(column).ok().filter(|&c| c < columns)?;
+            let row = u16::try_from(row).ok().filter(|&r| r < rows)?;
+            Some(Placed {
+                row,
+                column,
+                ellipses: self.ellipses(label, ring)?,
+                blur_sigma_px: ring.blur_sigma_px,
+            })
+        });
+        let mut rings: Vec<Placed> = rings.collect();
+        rings.sort_by_key(|ring| (ring.row, ring.column));
+        rings
     }
 
     fn verdict(
@@ -184,7 +220,7 @@ impl Measured<'_> {
         let Some(numbering) = by_marks.or_else(|| self.numbering()) else {
             return Err(too_few_or_no_grid(self.board, found, required));
         };
-        if !is_plausible(self.board, &self.rings, &self.places) {
+        if !is_plausible(self.board, &self.rings, &self.places, Asked::All) {
             return Err(Miss::NoGrid {
                 found,
                 rows,
@@ -203,22 +239,7 @@ impl Measured<'_> {
                 columns,
             });
         }
-        let mut rings: Vec<Placed> = self
-            .rings
-            .iter()
-            .filter_map(|(&label, ring)| {
-                let (column, row) = numbering.of(label);
-                let column = u16::try_from(column).ok().filter(|&c| c < columns)?;
-                let row = u16::try_from(row).ok().filter(|&r| r < rows)?;
-                Some(Placed {
-                    row,
-                    column,
-                    ellipses: self.ellipses(label, ring)?,
-                    blur_sigma_px: ring.blur_sigma_px,
-                })
-            })
-            .collect();
-        rings.sort_by_key(|ring| (ring.row, ring.column));
+        let mut rings = self.placed(numbering);
         if let Some(indices) = required.judge(self.board, &mut rings, by_marks.is_some()) {
             return match self.goes_on(numbering, beside) {
                 Some((found_rows, found_columns)) => Err(Miss::WrongSize {
@@ -231,6 +252,14 @@ impl Measured<'_> {
             };
         }
         let (found, expected) = (rings.len(), self.board.ring_count());
+        if let Some((found_rows, found_columns)) = self.smaller(numbering) {
+            return Err(Miss::Smaller {
+                found_rows,
+                found_columns,
+                rows,
+                columns,
+            });
+        }
         let (columns, rows) = extent(self.rings.keys().map(|&l| numbering.of(l)));
         Err(if self.is_cut_off(numbering, columns, rows) {
             Miss::CutOff { found, expected }

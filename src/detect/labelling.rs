@@ -3,10 +3,10 @@
 //! Every ring carries a scale of its own: in the coordinates in which its outer ellipse is the unit circle, its
 //! neighbours stand at pitch over outer radius, at right angles, whatever the view.
 
-use super::nearby::Nearby;
+use super::nodes::Nodes;
 use super::places::Places;
 use crate::centre::Ellipse;
-use nalgebra::{Matrix2, Point2, Vector2};
+use nalgebra::Vector2;
 use std::collections::{BTreeMap, VecDeque};
 
 /// A neighbour's distance over the expected one; a diagonal neighbour stands at 1.41.
@@ -15,10 +15,17 @@ const NEIGHBOUR: (f64, f64) = (0.7, 1.3);
 const RIGHT_ANGLE: f64 = 0.4;
 /// What a neighbour that is farther away (logarithm) loses against a nearer one, in cosines.
 const NEARER: f64 = 0.6;
+/// Of so many neighbours at most, the nearest, a walk's first two are chosen.
+const MOST_NEIGHBOURS: usize = 24;
 /// How far from its predicted place a ring may be, as a fraction of the step there.
 const WALK_TOLERANCE: f64 = 0.3;
 /// The same once all others predict.
 const FIT_TOLERANCE: f64 = 0.2;
+/// How much larger or smaller than a ring the next one may look (logarithm): blur that inverts the contrast of some rings lets these look
+/// half as large.
+const ALIKE: f64 = 0.8;
+/// The same of candidates: what is most alike of several outlines of one ring is taken, and text is not, which has letters of any size.
+const CANDIDATES_ALIKE: f64 = 0.4;
 /// The least lattice that determines a plane.
 const LEAST_MEMBERS: usize = 4;
 
@@ -42,7 +49,7 @@ pub(super) struct Lattice {
 ///
 /// A walk may come to nothing and begin anew from each of its rings: all walks together take at most [`MOST_STEPS`] steps for each ring.
 pub(super) fn lattices(outers: &[Ellipse], spacing: f64, least: usize) -> Vec<Lattice> {
-    let nodes = Nodes::of(outers);
+    let nodes = Nodes::of(outers, ALIKE);
     let settled = |free: &[bool], members| settle(&nodes, free, members);
     let mut found = walk_all(&nodes, spacing, least, settled, |lattice| {
         lattice.members.values().copied().collect()
@@ -54,7 +61,7 @@ pub(super) fn lattices(outers: &[Ellipse], spacing: f64, least: usize) -> Vec<La
 /// The rings of such lattices before those that do not agree with the others are left out and those that are missed are added: to see
 /// which are worth measuring, that will do.
 pub(super) fn walks(outers: &[Ellipse], spacing: f64, least: usize) -> Vec<Vec<usize>> {
-    let nodes = Nodes::of(outers);
+    let nodes = Nodes::of(outers, CANDIDATES_ALIKE);
     let members = |_: &[bool], members: BTreeMap<Label, usize>| {
         Some(members.into_values().collect::<Vec<usize>>())
     };
@@ -97,55 +104,6 @@ fn walk_all<L>(
     found
 }
 
-/// A ring's place and the map to the coordinates in which its outer ellipse is the unit circle.
-struct Node {
-    centre: Point2<f64>,
-    major_px: f64,
-    to_unit: Matrix2<f64>,
-}
-
-impl Node {
-    fn of(outer: &Ellipse) -> Self {
-        let (sin, cos) = outer.angle.sin_cos();
-        let turn = Matrix2::new(cos, sin, -sin, cos);
-        let shrink = Matrix2::new(1.0 / outer.major, 0.0, 0.0, 1.0 / outer.minor);
-        Self {
-            centre: outer.centre,
-            major_px: outer.major,
-            to_unit: turn.transpose() * shrink * turn,
-        }
-    }
-}
-
-/// All rings, and which are near which.
-struct Nodes {
-    all: Vec<Node>,
-    nearby: Nearby,
-}
-
-impl Nodes {
-    fn of(outers: &[Ellipse]) -> Self {
-        Self {
-            all: outers.iter().map(Node::of).collect(),
-            nearby: Nearby::new(outers.iter().map(|outer| outer.centre)),
-        }
-    }
-
-    /// The nearest usable ring less than `tolerance_px` from a place.
-    fn nearest(
-        &self,
-        place: Point2<f64>,
-        tolerance_px: f64,
-        usable: impl Fn(usize) -> bool,
-    ) -> Option<usize> {
-        self.nearby
-            .within(place, tolerance_px)
-            .filter(|&(i, _)| usable(i))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(i, _)| i)
-    }
-}
-
 /// Labels reached from a seed by steps that the seed's two axes predict and the walk updates.
 fn grow(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<BTreeMap<Label, usize>> {
     let axes = seed_axes(nodes, free, seed, spacing)?;
@@ -154,7 +112,8 @@ fn grow(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<BTree
     taken[seed] = true;
     let mut queue = VecDeque::from([((0, 0), axes)]);
     while let Some((label, axes)) = queue.pop_front() {
-        let here = nodes.all[members[&label]].centre;
+        let from = members[&label];
+        let here = nodes.all[from].centre;
         for (axis, direction) in [(0, 1), (0, -1), (1, 1), (1, -1)] {
             let next = if axis == 0 {
                 (label.0 + direction, label.1)
@@ -162,7 +121,7 @@ fn grow(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<BTree
                 (label.0, label.1 + direction)
             };
             let step = axes[axis] * f64::from(direction);
-            let usable = |i: usize| free[i] && !taken[i];
+            let usable = |i: usize| free[i] && !taken[i] && nodes.are_alike(from, i);
             if members.contains_key(&next) {
                 continue;
             }
@@ -183,10 +142,10 @@ fn grow(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<BTree
 fn seed_axes(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<[Vector2<f64>; 2]> {
     let range = NEIGHBOUR.0 * spacing..NEIGHBOUR.1 * spacing;
     let here = &nodes.all[seed];
-    let neighbours: Vec<(Vector2<f64>, Vector2<f64>)> = nodes
+    let mut neighbours: Vec<(Vector2<f64>, Vector2<f64>)> = nodes
         .nearby
         .within(here.centre, range.end * here.major_px)
-        .filter(|&(i, _)| i != seed && free[i])
+        .filter(|&(i, _)| i != seed && free[i] && nodes.are_alike(seed, i))
         .map(|(i, _)| (&nodes.all[i], nodes.all[i].centre - here.centre))
         .filter(|(node, step)| {
             range.contains(&(here.to_unit * step).norm())
@@ -194,6 +153,11 @@ fn seed_axes(nodes: &Nodes, free: &[bool], seed: usize, spacing: f64) -> Option<
         })
         .map(|(_, step)| (step, here.to_unit * step))
         .collect();
+    // every two of them are compared: of text there may be hundreds
+    if neighbours.len() > MOST_NEIGHBOURS {
+        neighbours.sort_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+        neighbours.truncate(MOST_NEIGHBOURS);
+    }
     let mut best: Option<(f64, [Vector2<f64>; 2])> = None;
     for (column, unit_column) in &neighbours {
         for (row, unit_row) in &neighbours {
@@ -286,4 +250,46 @@ pub(super) fn extent(labels: impl Iterator<Item = Label>) -> ((i32, i32), (i32, 
             )
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Point2;
+
+    fn disc(x: f64, y: f64, radius: f64) -> Ellipse {
+        Ellipse {
+            centre: Point2::new(x, y),
+            major: radius,
+            minor: radius,
+            angle: 0.0,
+        }
+    }
+
+    #[test]
+    fn letters_that_stand_as_the_next_column_but_are_of_another_size_are_not_walked_to() {
+        let rings = (0..20).map(|i| disc(f64::from(i % 5 * 30), f64::from(i / 5 * 30), 10.0));
+        let letters = |radius: f64| (0..4).map(move |row| disc(150.0, f64::from(row * 30), radius));
+        let walked = |radius: f64| {
+            let all: Vec<Ellipse> = rings.clone().chain(letters(radius)).collect();
+            walks(&all, 3.0, 4)[0].len()
+        };
+        assert_eq!(walked(10.0), 24);
+        assert_eq!(walked(16.0), 20);
+        assert_eq!(walked(6.0), 20);
+    }
+
+    #[test]
+    fn of_several_outlines_of_each_ring_those_that_are_alike_make_the_lattice() {
+        // a small spot a little nearer to each place than the ring's outline
+        let rings = (0..20).flat_map(|i| {
+            let (x, y) = (f64::from(i % 5 * 30), f64::from(i / 5 * 30));
+            let spot = if i % 2 == 0 { 3.0 } else { 4.0 };
+            [disc(x, y, spot), disc(x + 0.3, y, 10.0)]
+        });
+        let all: Vec<Ellipse> = rings.collect();
+        let walk = &walks(&all, 3.0, 15)[0];
+        assert_eq!(walk.len(), 20);
+        assert!(walk.iter().all(|&at| all[at].major == 10.0));
+    }
 }

@@ -3,7 +3,7 @@
 //! A fit lays a ring into whatever it is given: dots, squares, letters, gaps between things. Under blur, or noise, its residuals may
 //! be small all the same. But the fits of a board's rings agree with the board file and with each other, as a blurred edge cannot deceive
 //! them: the radius is the file's part of the pitch, and the same part everywhere; so is the part of the light that the dark
-//! print swallows; the inner disc is as light as the ground; there is no less light than none; and the outlines are round. Each is asked of the board as a whole (medians and quartiles,
+//! print swallows; the inner disc is as light as the ground; there is no less light than none; and the outlines are round, as circles are on a plane on which they stand in squares. Each is asked of the board as a whole (medians and quartiles,
 //! so that a covered ring or two do not matter) and of what is left beyond the fits' own uncertainty.
 
 use super::detection::{Measured, Miss, Odd, Ring};
@@ -23,6 +23,9 @@ const HEAVY: f64 = 0.6;
 /// Spread of the rings' sizes about that (logarithm, one standard deviation). Blur of a shape that the model does not have leaves
 /// half of it.
 const MOST_UNEVEN: f64 = 0.045;
+/// Cosine between rows and columns, and logarithm of a column's step over a row's, as the rings' shapes measure them. Of hexagons the first is
+/// a half.
+const MOST_SKEWED: f64 = 0.25;
 /// Spread of the part of the light that print swallows, relative to it.
 const MOST_CONTRASTS: f64 = 0.25;
 /// The dark level over the light one: a black level that was taken off too much leaves little below zero.
@@ -83,6 +86,8 @@ pub(super) fn are_the_boards(
         Odd::Contrasts
     } else if !insides.contains(&middle(&fits, |fitted| fitted.model.inner_over_outer()).0) {
         Odd::Insides
+    } else if is_skewed(&fits) {
+        Odd::Skewed
     } else if measured.out_of_round > MOST_OUT_OF_ROUND {
         Odd::Outlines
     } else {
@@ -131,6 +136,28 @@ fn sizes(board: &Board, fits: &BTreeMap<Label, &RingFitted>) -> Sizes {
 fn log_size(fitted: &RingFitted) -> f64 {
     let [xx, xy, yy] = fitted.model.shape.affine;
     -0.25 * (xx * yy - xy * xy).max(f64::MIN_POSITIVE).ln()
+}
+
+/// Whether circles on the plane that the rings show by their shapes stand in no square grid there: a hexagonal one, seen at an angle, may
+/// be square in the frame.
+fn is_skewed(fits: &BTreeMap<Label, &RingFitted>) -> bool {
+    let seen = fits.iter().filter_map(|(&label, fitted)| {
+        let across = step(fits, label, (1, 0))?;
+        let down = step(fits, label, (0, 1))?;
+        let [xx, xy, yy] = fitted.model.shape.affine;
+        // lengths and angles in units of the ring's own radius
+        let product = |a: &Vector2<f64>, b: &Vector2<f64>| {
+            xx * a.x * b.x + xy * (a.x * b.y + a.y * b.x) + yy * a.y * b.y
+        };
+        let (columns, rows) = (product(&across, &across), product(&down, &down));
+        let cosine = product(&across, &down) / (columns * rows).sqrt();
+        Some((cosine, 0.5 * (columns / rows).ln()))
+    });
+    let (cosines, stretches): (Vec<f64>, Vec<f64>) = seen.unzip();
+    [cosines, stretches].into_iter().any(|values| {
+        let (common, spread) = quartiles(values);
+        common.abs() > MOST_SKEWED + DEVIATIONS * spread
+    })
 }
 
 /// From one ring to the next at a label, px, right up to second differences; `None` where it has too few neighbours.

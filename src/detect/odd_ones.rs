@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 /// leaves half of that at a board's corners.
 const FARTHEST: f64 = 0.15;
 /// The same where its grey values could not be fitted, and edges alone say where it is: what covers a ring makes edges, too.
-const FARTHEST_BY_EDGES: f64 = 0.05;
+const FARTHEST_BY_EDGES: f64 = 0.025;
 const TIMES_USUAL: f64 = 4.0;
 /// Blur over that of the rings around it, and the difference that counts at least, px. Blur changes over a tilted board, but not at once.
 const BLURS: f64 = 2.0;

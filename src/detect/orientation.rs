@@ -49,9 +49,29 @@ impl Numbering {
 /// Fraction of a lattice's labels that must be on the board; the others may be blots beside it.
 const NEARLY_ALL: f64 = 0.9;
 
+/// Angles that differ by less are one to the orientation rule, rad.
+const SLIGHTLY: f64 = 0.1;
+
 /// One quarter turn makes the old row direction the new column direction.
 fn turn(label: Label, quarters: u8) -> Label {
     (0..quarters % 4).fold(label, |(column, row), _| (row, -column))
+}
+
+/// How far outside the half-open range of the orientation rule the columns run: their angle, 0 inside.
+fn outside(
+    numbering: &Numbering,
+    homography: &Matrix3<f64>,
+    rows: u16,
+    columns: u16,
+) -> Option<f64> {
+    let half_range = if rows == columns {
+        std::f64::consts::FRAC_PI_4
+    } else {
+        std::f64::consts::FRAC_PI_2
+    };
+    let angle = numbering.column_angle(homography, columns, rows)?;
+    let inside = angle > -half_range && angle <= half_range;
+    Some(if inside { 0.0 } else { angle.abs() })
 }
 
 /// The numbering that covers most of the lattice; of those that cover equally much, the one whose columns run as the
@@ -62,28 +82,38 @@ pub(super) fn choose(
     rows: u16,
     columns: u16,
 ) -> Option<Numbering> {
-    let half_range = if rows == columns {
-        std::f64::consts::FRAC_PI_4
-    } else {
-        std::f64::consts::FRAC_PI_2
-    };
-    // how far outside the half-open range the direction lies, 0 inside
-    let outside = |n: &Numbering| {
-        let angle = n.column_angle(homography, columns, rows)?;
-        let off = if angle > -half_range && angle <= half_range {
-            0.0
-        } else {
-            angle.abs()
-        };
-        Some(off)
-    };
     (0..4)
         .filter_map(|quarters| {
             let (numbering, covered) = best_window(labels, quarters, rows, columns)?;
-            Some((covered, outside(&numbering)?, numbering))
+            let outside = outside(&numbering, homography, rows, columns)?;
+            Some((covered, outside, numbering))
         })
         .min_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)))
         .map(|(_, _, numbering)| numbering)
+}
+
+/// All numberings that put nearly all labels on the board, with columns that run as the orientation rule says: where rows or columns do not
+/// show, there are several.
+pub(super) fn upright(
+    labels: &[Label],
+    homography: &Matrix3<f64>,
+    rows: u16,
+    columns: u16,
+) -> Vec<Numbering> {
+    let turns = (0..4).flat_map(|quarters| windows(labels, quarters, rows, columns));
+    let least = (NEARLY_ALL * labels.len() as f64).ceil() as usize;
+    let turns: Vec<(Numbering, usize)> = turns.filter(|&(_, covered)| covered >= least).collect();
+    let most = turns.iter().map(|turn| turn.1).max();
+    let fitting = turns
+        .into_iter()
+        .filter(|&(_, covered)| Some(covered) == most);
+    let angles: Vec<(f64, Numbering)> = fitting
+        .filter_map(|(n, _)| Some((outside(&n, homography, rows, columns)?, n)))
+        .collect();
+    let least = angles.iter().map(|a| a.0).fold(f64::INFINITY, f64::min);
+    // a plane seen in perspective turns a little from one window to the next
+    let as_upright = angles.into_iter().filter(|a| a.0 <= least + SLIGHTLY);
+    as_upright.map(|(_, numbering)| numbering).collect()
 }
 
 /// All numberings that put nearly all labels on the board.
@@ -187,5 +217,16 @@ mod tests {
         let n = choose(&all, &turned_by(3.0), 4, 5).unwrap();
         assert_eq!(n.of((5, -3)), (0, 0));
         assert_eq!(n.of((9, 0)), (4, 3));
+    }
+
+    #[test]
+    fn a_board_without_one_of_its_outermost_columns_can_be_laid_in_several_ways() {
+        let seen = labels(4, 4);
+        let ways = upright(&seen, &turned_by(3.0), 4, 5);
+        let first: Vec<Label> = ways.iter().map(|way| way.of((5, -3))).collect();
+        // and as many ways with its columns downwards: four rows show as well as four columns
+        assert_eq!(first.len(), 4);
+        assert!(first.contains(&(0, 0)) && first.contains(&(1, 0)));
+        assert_eq!(upright(&labels(5, 4), &turned_by(3.0), 4, 5).len(), 1);
     }
 }

@@ -9,7 +9,7 @@ use super::ring_fit::RingFit;
 use rayon::prelude::*;
 
 /// A lattice as full as this shows its true extent.
-const FULL: f64 = 0.8;
+pub(super) const FULL: f64 = 0.8;
 /// A line beside the lattice is there where so many of its rings show.
 const GOES_ON: f64 = 0.5;
 /// No ring beside a board is fainter than this, over the contrast of the board's: one that blur has nearly drowned may be.
@@ -55,6 +55,15 @@ impl Measured<'_> {
                 && (larger
                     || (smaller && !self.is_cut_off(numbering, (left, right), (top, bottom))));
         odd.then_some(seen)
+    }
+
+    /// Rows and columns seen, where the lattice is nearly full and smaller than the board.
+    pub(super) fn smaller(&self, numbering: Numbering) -> Option<(usize, usize)> {
+        let ((left, right), (top, bottom)) = extent(self.rings.keys().map(|&l| numbering.of(l)));
+        let (rows, columns) = ((bottom - top + 1) as usize, (right - left + 1) as usize);
+        let wanted = self.board.ring_count();
+        let full = self.rings.len() as f64 >= FULL * (rows * columns) as f64;
+        (full && rows * columns < wanted).then_some((rows, columns))
     }
 
     /// Leaves out the few spots beside a board of which (nearly) all is there that look like rings of one more row or column: under heavy

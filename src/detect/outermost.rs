@@ -10,12 +10,11 @@ use super::centres::centres;
 use super::detection::{Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::{Grid, Placed};
+use super::lines::{Line, lines_missing, seen};
 use crate::board::Board;
 use crate::centre::Estimator;
 use crate::frame::Frame;
 
-/// A line is in doubt where fewer than this fraction of its rings showed edges.
-const THIN: f64 = 0.5;
 /// A ring is like the others while its residuals are at most this much of theirs, and its contrast and its blur within these factors.
 const MOST_NOISE: f64 = 2.5;
 const CONTRASTS: (f64, f64) = (0.4, 2.0);
@@ -25,77 +24,6 @@ const ALIKE: f64 = 0.5;
 
 /// Edges deceive from this blur on, sigma over the ring's width.
 const DROWNED: f64 = 0.3;
-
-/// An outermost row or column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Line {
-    FirstRow,
-    LastRow,
-    FirstColumn,
-    LastColumn,
-}
-
-impl Line {
-    const ALL: [Self; 4] = [
-        Self::FirstRow,
-        Self::LastRow,
-        Self::FirstColumn,
-        Self::LastColumn,
-    ];
-
-    fn contains(self, board: &Board, row: u16, column: u16) -> bool {
-        match self {
-            Self::FirstRow => row == 0,
-            Self::LastRow => row + 1 == board.rows(),
-            Self::FirstColumn => column == 0,
-            Self::LastColumn => column + 1 == board.columns(),
-        }
-    }
-
-    fn opposite(self) -> Self {
-        match self {
-            Self::FirstRow => Self::LastRow,
-            Self::LastRow => Self::FirstRow,
-            Self::FirstColumn => Self::LastColumn,
-            Self::LastColumn => Self::FirstColumn,
-        }
-    }
-
-    fn rings(self, board: &Board) -> usize {
-        usize::from(match self {
-            Self::FirstRow | Self::LastRow => board.columns(),
-            Self::FirstColumn | Self::LastColumn => board.rows(),
-        })
-    }
-
-    fn is_in_doubt(self, board: &Board, placed: &[Placed]) -> bool {
-        let seen = placed
-            .iter()
-            .filter(|ring| self.contains(board, ring.row, ring.column));
-        (seen.count() as f64) < THIN * self.rings(board) as f64
-    }
-
-    /// The grid without this line, moved to where the line was.
-    fn moved(self, board: &Board, placed: &[Placed]) -> Vec<Placed> {
-        placed
-            .iter()
-            .filter(|ring| !self.contains(board, ring.row, ring.column))
-            .map(|ring| {
-                let (row, column) = match self {
-                    Self::FirstRow => (ring.row - 1, ring.column),
-                    Self::LastRow => (ring.row + 1, ring.column),
-                    Self::FirstColumn => (ring.row, ring.column - 1),
-                    Self::LastColumn => (ring.row, ring.column + 1),
-                };
-                Placed {
-                    row,
-                    column,
-                    ..*ring
-                }
-            })
-            .collect()
-    }
-}
 
 /// The centres of a grid whose outermost lines are beyond doubt, or have passed the test of their grey values.
 ///
@@ -108,13 +36,53 @@ pub(super) fn sure_centres(
     options: &DetectOptions,
     sign: f64,
 ) -> Result<(Vec<Ring>, Option<Measured>), Miss> {
-    let placed = grid.rings;
+    let is_ring = |ring: &&Placed| !board.is_mark(ring.row, ring.column);
+    let rings: Vec<Placed> = grid.rings.iter().filter(is_ring).copied().collect();
+    let lines = Line::ALL.map(|line| seen(board, line, &rings));
+    let centres = tested_centres(frame, board, grid, options, sign)?;
+    if centres.1.is_some() {
+        are_all_measured(board, &lines, &centres.0)?;
+    }
+    Ok(centres)
+}
+
+/// Whether a ring could be measured of each line of which edges were `seen`, and where it was of few of these, one that is like the rings
+/// elsewhere: beside a sheet there are edges enough that a line of the board might be made of.
+fn are_all_measured(board: &Board, seen: &[f64; 4], rings: &[Ring]) -> Result<(), Miss> {
+    let is_missing = |&(line, seen): &(Line, f64)| {
+        let of_line = |ring: &&Ring| line.contains(board, ring.row, ring.column);
+        let measured = rings.iter().filter(of_line).count();
+        let few = (measured as f64) < ALIKE * seen;
+        few && (measured == 0 || !is_alike(board, line, rings, 1.0))
+    };
+    let lines = Line::ALL.into_iter().zip(*seen);
+    let missing: Vec<Line> = lines.filter(is_missing).map(|line| line.0).collect();
+    if missing.is_empty() {
+        return Ok(());
+    }
+    let in_missing = |ring: &Ring| {
+        missing
+            .iter()
+            .any(|l| l.contains(board, ring.row, ring.column))
+    };
+    let others = rings.iter().filter(|ring| !in_missing(ring)).count();
+    Err(lines_missing(board, &missing, others))
+}
+
+fn tested_centres(
+    frame: &Frame,
+    board: &Board,
+    grid: Grid,
+    options: &DetectOptions,
+    sign: f64,
+) -> Result<(Vec<Ring>, Option<Measured>), Miss> {
+    let (placed, indices) = (grid.rings, grid.indices);
     if Line::ALL
         .iter()
         .any(|&line| seen(board, line, &placed) == 0.0)
     {
         // a part of the board is out of sight, and may be
-        return Ok(centres(frame, board, &placed, options, sign));
+        return Ok(centres(frame, board, (&placed, indices), options, sign));
     }
     let doubtful = |placed: &[Placed]| -> Vec<Line> {
         let lines = Line::ALL.into_iter();
@@ -125,7 +93,7 @@ pub(super) fn sure_centres(
     let photometric = options.estimator == Estimator::Photometric;
     let lines = doubtful(&placed);
     if lines.is_empty() && !photometric {
-        return Ok(centres(frame, board, &placed, options, sign));
+        return Ok(centres(frame, board, (&placed, indices), options, sign));
     }
     let by_grey = DetectOptions {
         estimator: Estimator::Photometric,
@@ -148,9 +116,9 @@ pub(super) fn sure_centres(
             }
         }
         placed.sort_by_key(|ring| (ring.row, ring.column));
-        centres(frame, board, &placed, options, sign)
+        centres(frame, board, (&placed, indices), options, sign)
     };
-    let first = centres(frame, board, &placed, &by_grey, sign);
+    let first = centres(frame, board, (&placed, indices), &by_grey, sign);
     let is_wrong = |line: &Line| match lines.contains(line) {
         true => !is_alike(board, *line, &first.0, ALIKE * seen(board, *line, &placed)),
         // a blot may look like one ring and another, but not like all of a line
@@ -168,15 +136,13 @@ pub(super) fn sure_centres(
             .iter()
             .any(|l| l.contains(board, ring.row, ring.column))
     };
-    let missing = Miss::LineMissing {
-        found: placed.iter().filter(|ring| !in_wrong(ring)).count(),
-        expected: board.ring_count(),
-    };
+    let others = placed.iter().filter(|ring| !in_wrong(ring)).count();
+    let missing = lines_missing(board, &wrong, others);
     let mut moved = placed;
     for &line in &wrong {
         moved = line.moved(board, &moved);
     }
-    let second = centres(frame, board, &moved, &by_grey, sign);
+    let second = centres(frame, board, (&moved, indices), &by_grey, sign);
     let holds = wrong.iter().all(|line| {
         let line = line.opposite();
         is_alike(board, line, &second.0, ALIKE * line.rings(board) as f64)
@@ -186,13 +152,6 @@ pub(super) fn sure_centres(
     } else {
         Err(missing)
     }
-}
-
-fn seen(board: &Board, line: Line, placed: &[Placed]) -> f64 {
-    let seen = placed
-        .iter()
-        .filter(|ring| line.contains(board, ring.row, ring.column));
-    seen.count() as f64
 }
 
 /// Whether no ring of a line could be measured, while most of the others could, in a blur that makes blots of their edges. (In a sharp
@@ -221,7 +180,7 @@ fn is_drowned(ring: &Ring) -> bool {
 }
 
 /// Whether so many rings of a line (and one at least) have grey values like those of the rings elsewhere.
-fn is_alike(board: &Board, line: Line, rings: &[Ring], least: f64) -> bool {
+pub(super) fn is_alike(board: &Board, line: Line, rings: &[Ring], least: f64) -> bool {
     let (own, others): (Vec<Grey>, Vec<Grey>) = {
         let (own, others): (Vec<&Ring>, Vec<&Ring>) = rings
             .iter()

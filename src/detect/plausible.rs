@@ -15,6 +15,8 @@ const MOST_UNEVEN: f64 = 0.15;
 /// The same where (nearly) every place of the board has a ring and all lie as exactly as this: a blur that inverts the contrast of some
 /// rings lets those look half as large as the others. Where most inner discs have drowned, nothing lies as exactly.
 const MOST_UNEVEN_WHERE_WHOLE: f64 = 0.45;
+/// The same where grey values decide.
+const MOST_UNEVEN_WHERE_ASKED: f64 = 0.6;
 const WHOLE: f64 = 0.9;
 const LEAST_BENT: f64 = 0.03;
 const LEAST_BENT_IF_DROWNED: f64 = 0.06;
@@ -44,11 +46,22 @@ pub(super) fn has_the_ratio(board: &Board, rings: &BTreeMap<Label, RingFit>) -> 
     2 * off.len() < rings.len() || median(&mut off) < MOST_OFF_RATIO
 }
 
+/// How much has to agree.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// What makes a board.
+    All,
+    /// What is worth asking its grey values: where contrasts invert, outlines are those of rings, of their middles and of what lies
+    /// between.
+    Places,
+}
+
 /// Whether places, sizes and contrasts of the rings agree with one board on one plane.
 pub(super) fn is_plausible(
     board: &Board,
     rings: &BTreeMap<Label, RingFit>,
     places: &Places,
+    asked: Asked,
 ) -> bool {
     let expected = board.outer_radius_m() / board.pitch_m();
     let (mut bent, mut sizes) = (0.0, Vec::with_capacity(rings.len()));
@@ -74,10 +87,10 @@ pub(super) fn is_plausible(
         (LEAST_BENT, SIZE.0)
     };
     let whole = count >= WHOLE * board.ring_count() as f64 && bent < least_bent;
-    let most_uneven = if whole {
-        MOST_UNEVEN_WHERE_WHOLE
-    } else {
-        MOST_UNEVEN
+    let most_uneven = match asked {
+        Asked::All if whole => MOST_UNEVEN_WHERE_WHOLE,
+        Asked::Places if bent < least_bent => MOST_UNEVEN_WHERE_ASKED,
+        Asked::All | Asked::Places => MOST_UNEVEN,
     };
     bent < MOST_BENT
         && uneven < most_uneven

@@ -69,9 +69,10 @@ const LEAST_INLIERS: f64 = 0.6;
 const MOST_STRAY: (f64, f64) = (0.25, 0.12);
 /// How far above the board's radius ratio the measured one may be.
 const RATIO_SLACK: f64 = 1.5;
-/// The inner disc of a ring drowns where the blur sigma passes about its radius; a disc less blurred than this fraction
-/// of what would be its inner radius is a plain disc. (Measured blur falls short of the true one there by a third.)
-const DROWNING_BLUR: f64 = 0.4;
+/// A disc less blurred than this fraction of what would be its inner radius is a plain disc. The inner disc of a ring drowns where a
+/// disc of blur becomes as large as it, whose sigma is half of that; measured blur falls short of the true one there by a third, and the
+/// outline, of which the inner radius is a part, looks a quarter larger than it is.
+const DROWNING_BLUR: f64 = 0.25;
 /// What an outline may be smaller by than the rough one: where the blur is too small for such a one, none is fitted.
 const MOST_SHRUNK: f64 = 0.6;
 /// Blur fills a ring and displaces its edges from this fraction of its narrowest width on.

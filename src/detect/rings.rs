@@ -1,5 +1,6 @@
 //! All rings of a frame, whatever their size: candidates of every pyramid level, measured on the frame itself.
 
+use super::grid::DROWNED_SIZES;
 use super::labelling::walks;
 use super::nearby::Nearby;
 use super::ring_fit::{Care, RingFit, measure, measure_disc};
@@ -15,6 +16,8 @@ const MOST_PER_RING: usize = 4;
 /// Discs among them that are measured at most, or this many times the rings of the board: they are looked at only where no board is seen.
 const MOST_DISCS: usize = 96;
 const MOST_DISCS_PER_RING: usize = 2;
+/// How large discs look over the true size of their rings: a large blur leaves only the middle.
+const LOOKS: [f64; 4] = [1.0, DROWNED_SIZES[0], DROWNED_SIZES[1], DROWNED_SIZES[2]];
 /// Those that stand in a lattice go first, if it has at least this fraction of the board's rings.
 const LEAST_IN_LATTICE: f64 = 0.15;
 
@@ -28,7 +31,7 @@ pub(super) fn find_rings(scales: &mut Scales, board: &Board, care: Care) -> Vec<
     let spots = spots(levels.iter().map(Vec::as_slice));
     let outers: Vec<Ellipse> = spots.iter().map(|spot| spot[0].outer).collect();
     let (frame, sign) = (scales.frame, scales.sign);
-    let measured = first_to_measure(board, &outers)
+    let measured = first_to_measure(board, &outers, &[1.0])
         .into_par_iter()
         .filter_map(|at| {
             spots[at]
@@ -53,7 +56,7 @@ pub(super) fn add_drowned(
     }
     let (frame, sign) = (scales.frame, scales.sign);
     let most = MOST_DISCS.max(MOST_DISCS_PER_RING * board.ring_count());
-    let mut chosen = first_to_measure(board, &outlines);
+    let mut chosen = first_to_measure(board, &outlines, &LOOKS);
     chosen.retain(|&at| at >= rings.len());
     chosen.truncate(most);
     let discs: Vec<RingFit> = chosen
@@ -94,8 +97,9 @@ pub(super) fn spots<'a>(
     spots
 }
 
-/// Which candidates are to be measured: those of lattices, the fullest first, then the largest.
-fn first_to_measure(board: &Board, outers: &[Ellipse]) -> Vec<usize> {
+/// Which candidates are to be measured: those of lattices, the fullest first, then the largest. They may look so large, over their true
+/// `sizes`.
+fn first_to_measure(board: &Board, outers: &[Ellipse], sizes: &[f64]) -> Vec<usize> {
     let most = MOST_MEASURED.max(MOST_PER_RING * board.ring_count());
     if outers.len() <= most {
         return (0..outers.len()).collect();
@@ -105,10 +109,14 @@ fn first_to_measure(board: &Board, outers: &[Ellipse]) -> Vec<usize> {
     } else {
         let spacing = board.pitch_m() / board.outer_radius_m();
         let least = (LEAST_IN_LATTICE * board.ring_count() as f64) as usize;
-        walks(outers, spacing, least).concat()
+        // those of the true size first: at other sizes texture has more of them
+        let found = sizes
+            .iter()
+            .map(|size| walks(outers, spacing / size, least).concat());
+        found.collect::<Vec<_>>().concat()
     };
     let mut chosen = vec![false; outers.len()];
-    order.iter().for_each(|&at| chosen[at] = true);
+    order.retain(|&at| !std::mem::replace(&mut chosen[at], true));
     let mut rest: Vec<usize> = (0..outers.len()).filter(|&at| !chosen[at]).collect();
     let area = |at: usize| outers[at].major * outers[at].minor;
     rest.sort_by(|&a, &b| area(b).total_cmp(&area(a)));
@@ -179,7 +187,7 @@ mod tests {
                 .iter()
                 .map(|&(x, y, r)| Ellipse { centre: Point2::new(x, y), major: r, minor: 0.8 * r, angle: 0.3 })
                 .collect();
-            let mut chosen = first_to_measure(&board, &outers);
+            let mut chosen = first_to_measure(&board, &outers, &LOOKS);
             prop_assert_eq!(chosen.len(), outers.len().min(MOST_MEASURED));
             chosen.sort_unstable();
             chosen.dedup();
@@ -209,7 +217,7 @@ mod tests {
                 10.0,
             )
         }));
-        let chosen = first_to_measure(&board, &outers);
+        let chosen = first_to_measure(&board, &outers, &[1.0]);
         assert!((2000..2030).all(|at| chosen.contains(&at)));
     }
 }

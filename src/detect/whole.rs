@@ -1,8 +1,9 @@
 //! The board where all of it shows at a coarse level: most frames are done with a fraction of their pixels.
 //!
 //! Levels are looked at from the coarsest on. As soon as the candidates hold a lattice of just the board's rows and columns, (nearly)
-//! full, only these are measured. If all of the board's rings prove to be there, that is the board. Otherwise nothing is
-//! decided here, and the whole frame is searched at all levels (`rings`).
+//! full, only these are measured. If all of the board's rings prove to be there, that is the board; where some are covered, the levels
+//! below are asked, too, and what shows most of it is the board. Otherwise nothing is decided here, and the whole frame is searched at
+//! all levels (`rings`).
 
 use super::detector::DetectOptions;
 use super::grid::{Grid, find_grid};
@@ -21,7 +22,8 @@ const LEAST_SHOWN: f64 = 0.75;
 /// Fraction of these that a walk from ring to ring finds at least: what it missed is added where the others expect it.
 const LEAST_WALKED: f64 = 0.33;
 
-/// The board, where all of its rings are found among those that a coarse level shows.
+/// The board, where all of its rings are found among those that a coarse level shows, or most of them among those of all levels: what
+/// stands beside a board whose other rings are covered may seem to go on with it where everything in the frame is asked.
 pub(super) fn find_whole(
     scales: &mut Scales,
     board: &Board,
@@ -30,6 +32,7 @@ pub(super) fn find_whole(
     let wanted = board.ring_count() - board.marks().len();
     let mut levels: Vec<Vec<RingEllipses>> = Vec::new();
     let mut tried = 0;
+    let mut most: Option<Grid> = None;
     for level in (0..scales.count()).rev() {
         levels.insert(0, scales.rings(level).to_vec());
         if (levels.iter().map(Vec::len).sum::<usize>() as f64) < LEAST_SHOWN * wanted as f64 {
@@ -43,12 +46,20 @@ pub(super) fn find_whole(
             continue;
         }
         tried = members.len();
-        let grid = measured(scales, board, options, &spots, &members);
-        if grid.as_ref().is_some_and(|grid| grid.rings.len() >= wanted) {
-            return grid;
+        let Some(grid) = measured(scales, board, options, &spots, &members) else {
+            continue;
+        };
+        if grid.rings.len() >= wanted {
+            return Some(grid);
+        }
+        if most
+            .as_ref()
+            .is_none_or(|most| grid.rings.len() > most.rings.len())
+        {
+            most = Some(grid);
         }
     }
-    None
+    most.filter(|grid| grid.rings.len() as f64 >= LEAST_SHOWN * wanted as f64)
 }
 
 /// Numbers of the candidates in the lattice that is the board and nothing else.

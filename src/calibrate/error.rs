@@ -152,14 +152,16 @@ pub enum CalibrateError {
     },
     /// The views leave the lens open somewhere in the frame.
     #[error(
-        "the views cannot tell the lens near ({:.0}, {:.0}), where it is uncertain by {std_px:.0} px: show the board there",
-        at.x, at.y
+        "the views cannot tell the lens near ({:.0}, {:.0}), where it is uncertain by {std_px:.0} px: show the board there{}",
+        at.x, at.y, if *below { ", or fix k4, k5 and k6" } else { "" }
     )]
     LensOpen {
         /// Where it is most uncertain, px.
         at: Point2<f64>,
         /// Standard deviation of the projection there, px.
         std_px: f64,
+        /// Whether numbers below the line of the rational model are estimated, which most lenses do without.
+        below: bool,
     },
     /// The lens model found does not reach most of the frame.
     #[error(
@@ -194,6 +196,14 @@ pub enum CalibrateError {
 }
 
 impl CalibrateError {
+    /// Whether it is the views that lack something, whatever the lens model.
+    pub fn is_of_the_views(&self) -> bool {
+        matches!(
+            self,
+            Self::Undetermined { .. } | Self::LensOpen { .. } | Self::Parallel { .. }
+        )
+    }
+
     /// Whether values that were held, or the camera to start from, can be the reason as well as the views.
     pub fn may_be_the_options(&self) -> bool {
         matches!(

@@ -4,7 +4,8 @@
 //! 2. `guess` takes a camera without distortion and the poses from homographies (`zhang`) or rays (`rays`).
 //! 3. `adjust` minimises the residuals in the image, each weighted by its covariance, over camera, sheet and poses, on the
 //!    `normal_equations` with the poses eliminated; `observed` says what an estimator measures.
-//! 4. `roll` leaves out rings and views that contradict the solution, and 3 is repeated until nothing changes.
+//! 4. `roll` leaves out rings and views that contradict the solution, `leverage` views that bend it, and 3 is repeated until nothing
+//!    changes.
 //! 5. The covariance of the parameters is that of least squares (`uncertainty`); views that leave the camera open are refused
 //!    (`observability`), however small their residuals are.
 //! 6. Whether one focal length served all views is `steady`'s question.
@@ -12,6 +13,7 @@
 
 mod adjust;
 mod assess;
+mod below;
 mod calibration;
 mod check;
 mod cross_validation;
@@ -21,6 +23,8 @@ mod error;
 mod fixed;
 mod guess;
 mod information;
+mod lens_choice;
+mod leverage;
 mod linearise;
 mod normal_equations;
 mod observability;
@@ -41,11 +45,12 @@ mod zhang;
 pub use assess::{Assessment, Criterion, Facts, FramesRead, Grade, Rule, assess, refused};
 pub use calibration::{Calibration, ViewFit};
 pub use check::{Alone, Cell, Check, FIELD, Verdict, check};
-pub use cross_validation::{CrossValidation, FOLDS, ModelScore, choose_model, cross_validate};
+pub use cross_validation::{CrossValidation, FOLDS, cross_validate};
 pub use difference::{Difference, difference};
 pub use error::{CalibrateError, Missing};
 pub use fixed::{Fixed, FixedError};
 pub use information::{Estimate, MAP_CELLS, Told, Unfit, most_informative};
+pub use lens_choice::{ModelScore, choose_model};
 pub use options::{CalibrateOptions, ModelChoice, SheetOptions};
 pub use resect::{Known, Resection, resect};
 pub use roll::LeftOut;

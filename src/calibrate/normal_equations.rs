@@ -112,6 +112,16 @@ impl NormalEquations {
         self.blocks.iter().map(|block| block.cost).sum()
     }
 
+    /// The part of each view in [`NormalEquations::squares`].
+    pub fn view_squares(&self) -> Vec<f64> {
+        self.blocks.iter().map(|block| block.cost).collect()
+    }
+
+    /// What the free numbers themselves are charged, as a part of the equations.
+    pub fn charges(&self) -> DMatrix<f64> {
+        DMatrix::from_diagonal(&self.charged.2)
+    }
+
     /// The Levenberg-Marquardt step with damping `lambda` relative to the scaled diagonal; `None` where the equations
     /// are singular.
     pub fn step(&self, lambda: f64) -> Option<Step> {

@@ -7,7 +7,7 @@ use super::calibration::Calibration;
 use super::observations::Observation;
 use super::uncertainty::Range;
 use super::{CalibrateError, Missing};
-use crate::camera::{Camera, Pose};
+use crate::camera::{Camera, LensModel, Pose};
 use nalgebra::{Point2, Vector3};
 
 /// Standard deviation over value beyond which a focal length counts as left open.
@@ -136,6 +136,8 @@ fn lens_told(
         Some((cell, std_px)) => Err(CalibrateError::LensOpen {
             at: middle(&calibration.camera, cell),
             std_px,
+            below: calibration.camera.model() == LensModel::RationalPolynomial
+                && !calibration.fixed.contains(&"k6"),
         }),
         None => Ok(()),
     }

@@ -15,7 +15,7 @@ use std::fmt;
 /// Chance that any ring of a faultless set is left out.
 const CHANCE: f64 = 0.01;
 /// Mean squared residual of a view over that of the median view beyond which it is left out: four times in the residual.
-const WORSE: f64 = 16.0;
+const WORSE: f64 = super::leverage::WORSE;
 /// The squared length of two standard normal numbers has this median.
 const MEDIAN: f64 = 1.386_294_361_119_890_6;
 /// Poses that a view may be given before it is left out: the camera gets better in between.
@@ -132,6 +132,12 @@ impl Roll {
         active.map(|at| self.rings[at].clone()).collect()
     }
 
+    /// How many rings of a view count.
+    pub fn counted(&self, at: usize) -> usize {
+        let rings = self.rings[at].iter();
+        rings.filter(|ring| ring.share > 0.0).count()
+    }
+
     /// Gives the views that take part their poses.
     pub fn stand(&mut self, poses: &[Pose]) {
         for (at, pose) in self.active().into_iter().zip(poses) {
@@ -187,6 +193,37 @@ impl Roll {
             changed = true;
         }
         changed
+    }
+
+    /// Takes back views that were left out while the solution was bent by others and that it does not contradict any more; whether
+    /// there are any.
+    pub fn take_back(&mut self, shared: &Shared) -> bool {
+        let mut all: Vec<f64> = Vec::new();
+        for at in self.active() {
+            all.extend(self.squares(at, shared));
+        }
+        let scale = (median(&mut all) / MEDIAN).max(self.negligible());
+        let limit = -2.0 * (CHANCE / all.len().max(1) as f64).ln() * scale;
+        let mut any = false;
+        for at in 0..self.rings.len() {
+            let contradicted = matches!(self.left_out[at], Some(LeftOut::MostRings { .. }));
+            let mut rings = self.rings[at].clone();
+            let pose = start_homography::pose_through_most(&shared.camera, &mut rings);
+            let Some(pose) = pose.filter(|_| contradicted) else {
+                continue;
+            };
+            let before = std::mem::replace(&mut self.rings[at], rings);
+            let pose = self.poses[at].replace(pose);
+            let squares = self.squares(at, shared);
+            let (out, _) = judge_rings(&mut self.rings[at], &squares, limit, &mut false);
+            if self.contradicted(at, out) {
+                (self.rings[at], self.poses[at]) = (before, pose);
+            } else {
+                (self.left_out[at], self.tried_again[at]) = (None, 0);
+                any = true;
+            }
+        }
+        any
     }
 
     /// Whether most rings of a view are out, or too many for a pose.

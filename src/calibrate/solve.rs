@@ -1,7 +1,9 @@
 //! From checked observations to a solution that everything which takes part agrees with.
 
 use super::adjust::{Adjusted, Goal, adjust};
+use super::below::charged;
 use super::calibration::{self, Calibration, ViewFit};
+use super::leverage::without_bending;
 use super::observations::Observation;
 use super::roll::{Roll, residual_px};
 use super::shared::{Free, Shared, SheetShape};
@@ -19,11 +21,10 @@ const FIRST: [&str; 3] = ["fx", "fy", "k1"];
 /// ... and then, where the lens has more coefficients than every set of views tells apart.
 const SECOND: [&str; 8] = ["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"];
 
-/// Standard deviations that the last number below the line of the rational model is expected to have, the freest first.
-const BELOW: [f64; 5] = [10.0, 1.0, 0.1, 0.01, 0.001];
-
 /// Times that outliers are looked for; each costs an adjustment only where something changed.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 24;
+/// The part of the views that may be left out because they bend the solution: where more do, it is the lens model that is bent.
+const BENDING: f64 = 0.25;
 /// Times that the predicted displacement of an estimator is renewed; it moves by a thousandth of itself from one to the next.
 const PREDICTIONS: usize = 3;
 
@@ -90,14 +91,39 @@ pub(super) fn solve(
         middle_m: board.middle_m(),
     };
     let unit = coarse(&mut shared, roll, &free)?;
+    let straight = shared;
     let mut adjusted = charged(board, &mut shared, roll, (&mut free, options), unit)?;
+    let most_bending = (BENDING * roll.active().len() as f64) as usize;
+    let mut bending = 0;
+    let mut taken_back = false;
     for _ in 0..ROUNDS {
-        if !roll.judge(&shared) {
+        let mut changed = roll.judge(&shared);
+        if !changed && bending < most_bending {
+            let better = without_bending(board, &shared, roll, (&free, options), &adjusted)?;
+            if let Some(better) = better {
+                (shared, *roll, adjusted) = better;
+                bending += 1;
+                continue;
+            }
+        }
+        if !changed && !taken_back {
+            // once: a view may not come and go for ever
+            taken_back = true;
+            changed = roll.take_back(&shared);
+        }
+        if !changed {
             break;
         }
         enough(roll)?;
         degrees_of_freedom(roll, &free)?;
-        adjusted = exact(board, &mut shared, roll, (&free, options))?;
+        adjusted = if free.is_charged() {
+            // what outliers have bent has to begin anew, and is charged for less noise
+            shared = straight;
+            let unit = coarse(&mut shared, roll, &free)?;
+            charged(board, &mut shared, roll, (&mut free, options), unit)?
+        } else {
+            exact(board, &mut shared, roll, (&free, options))?
+        };
     }
     Ok(Solved {
         adjusted,
@@ -125,33 +151,8 @@ fn coarse(shared: &mut Shared, roll: &mut Roll, free: &Free) -> Result<f64, Cali
     Ok(unit)
 }
 
-/// Adjusts everything; of a rational lens with the smallest charge on the numbers below the line that leaves the lens one-to-one.
-fn charged(
-    board: &Board,
-    shared: &mut Shared,
-    roll: &mut Roll,
-    (free, options): (&mut Free, &CalibrateOptions),
-    mut unit: f64,
-) -> Result<Adjusted, CalibrateError> {
-    let start = (*shared, roll.poses.clone());
-    let mut last = None;
-    for expected in BELOW {
-        (*shared, roll.poses) = start.clone();
-        free.charge(&shared.camera, roll.variance(unit) / (expected * expected));
-        let adjusted = exact(board, shared, roll, (free, options))?;
-        unit = adjusted.equations.squares() / degrees_of_freedom(roll, free)?;
-        let sound = folded(&shared.camera, &roll.active_rings()).is_none()
-            && adjusted.equations.inverse().is_ok();
-        last = Some(adjusted);
-        if sound || !free.is_charged() {
-            break;
-        }
-    }
-    last.ok_or(CalibrateError::NotConverged { iterations: 0 })
-}
-
 /// Adjusts everything that is free to rounding, with what the estimators measure predicted from the solution itself.
-fn exact(
+pub(super) fn exact(
     board: &Board,
     shared: &mut Shared,
     roll: &mut Roll,
@@ -188,15 +189,22 @@ fn exact(
 }
 
 /// Numbers measured less numbers estimated.
-fn degrees_of_freedom(roll: &Roll, free: &Free) -> Result<f64, CalibrateError> {
+pub(super) fn degrees_of_freedom(roll: &Roll, free: &Free) -> Result<f64, CalibrateError> {
     let active = roll.active();
-    let counted = |at: &usize| roll.rings[*at].iter().filter(|r| r.share > 0.0).count();
-    let measured = 2 * active.iter().map(counted).sum::<usize>();
+    let measured = 2 * active.iter().map(|at| roll.counted(*at)).sum::<usize>();
     let unknown = free.len() + 6 * active.len();
     if measured <= unknown {
         return Err(CalibrateError::TooFewMeasurements { measured, unknown });
     }
     Ok((measured - unknown) as f64)
+}
+
+/// Mean squared whitened residual of a solution, at least that of negligible ones; infinite where nothing is left to judge it by.
+pub(super) fn variance(solved: &Solved, roll: &Roll) -> f64 {
+    let degrees = degrees_of_freedom(roll, &solved.free);
+    degrees.map_or(f64::INFINITY, |degrees| {
+        roll.variance(solved.adjusted.equations.squares() / degrees)
+    })
 }
 
 /// The calibration of a solution; refuses where the views leave it open or where it cannot be.
@@ -345,7 +353,7 @@ fn plausible(camera: &Camera, rings: &[Vec<Observation>]) -> Result<(), Calibrat
 }
 
 /// A ring that took part and that the camera has no ray for, px.
-fn folded(camera: &Camera, rings: &[Vec<Observation>]) -> Option<Point2<f64>> {
+pub(super) fn folded(camera: &Camera, rings: &[Vec<Observation>]) -> Option<Point2<f64>> {
     let counted = rings.iter().flatten().filter(|ring| ring.share > 0.0);
     counted
         .map(|ring| ring.pixel)

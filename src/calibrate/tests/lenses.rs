@@ -13,6 +13,29 @@ fn options(model: LensModel) -> CalibrateOptions {
 
 /// A camera with another lens, and views of it.
 fn with_lens(lens: impl Into<Distortion>, focal: f64, sigma_px: f64) -> (Camera, Vec<View>) {
+    with_lens_and_noise(lens, focal, (sigma_px, 3))
+}
+
+/// A camera that needs the rational model, as depth cameras have it.
+pub fn kinect(sigma_px: f64, seed: u64) -> (Camera, Vec<View>) {
+    let lens = RationalPolynomial {
+        k1: 0.35,
+        k2: 0.06,
+        k3: 0.002,
+        p1: 0.0004,
+        p2: -0.0003,
+        k4: 0.62,
+        k5: 0.11,
+        k6: 0.012,
+    };
+    with_lens_and_noise(lens, 620.0, (sigma_px, seed))
+}
+
+fn with_lens_and_noise(
+    lens: impl Into<Distortion>,
+    focal: f64,
+    (sigma_px, seed): (f64, u64),
+) -> (Camera, Vec<View>) {
     let mut camera = ordinary();
     camera.distortion = lens.into();
     (camera.intrinsics.fx, camera.intrinsics.fy) = (focal, focal * 1.004);
@@ -43,7 +66,7 @@ fn with_lens(lens: impl Into<Distortion>, focal: f64, sigma_px: f64) -> (Camera,
         })
         .collect();
     assert!(poses.len() > 8, "{}", poses.len());
-    let views = views(&camera, &board(), &poses, sigma_px, 3);
+    let views = views(&camera, &board(), &poses, sigma_px, seed);
     (camera, views)
 }
 
@@ -136,4 +159,36 @@ fn a_lens_that_folds_in_the_frame_is_found_where_rings_reach_the_fold_and_refuse
         ),
         "{refused}"
     );
+}
+
+#[test]
+fn a_model_is_not_out_of_the_choice_because_a_part_of_the_views_does_not_determine_it() {
+    let camera = ordinary();
+    let three = &views(&camera, &board(), &poses(&camera, &board()), 0.02, 3)[..3];
+    let (chosen, scores) = choose_model(&board(), three, &CalibrateOptions::default()).unwrap();
+    assert_eq!(chosen, LensModel::PlumbBob, "{scores:?}");
+    assert!(scores[0].rms_px.is_err());
+}
+
+#[test]
+fn views_that_leave_the_camera_open_are_not_saved_by_another_lens_model() {
+    let camera = ordinary();
+    // in the middle of the frame, tilted: five numbers of a lens cannot be told from there, four can just
+    let middle: Vec<_> = (0..10)
+        .map(|i| {
+            let angle = 2.4 * f64::from(i);
+            let turn = [0.5 * angle.cos(), 0.5 * angle.sin(), 0.0];
+            pose_at(&camera, &board(), [640.0 + f64::from(i), 480.0], 0.5, turn)
+        })
+        .collect();
+    for sigma_px in [0.005, 0.01, 0.02, 0.04] {
+        let views = views(&camera, &board(), &middle, sigma_px, 3);
+        let plain = calibrate(&board(), &views, &options(LensModel::PlumbBob));
+        let chosen = choose_model(&board(), &views, &CalibrateOptions::default());
+        if let Err(refused) = plain {
+            assert_eq!(chosen.unwrap_err(), refused);
+        } else {
+            assert_eq!(chosen.unwrap().0, LensModel::PlumbBob);
+        }
+    }
 }

@@ -115,3 +115,61 @@ fn too_few_views_that_agree_are_refused_with_the_reason() {
     );
     assert!(refused.to_string().contains("mirrored"), "{refused}");
 }
+
+/// Of few views one of another board leaves residuals in all of them, and none of its own that stands out.
+#[test]
+fn a_view_that_bends_the_solution_towards_itself_is_left_out() {
+    let camera = wide();
+    for seed in 0..24 {
+        let mut views = noisy(&camera, 0.02, seed);
+        views.truncate(9);
+        let bad = (seed % 9) as usize;
+        // a board whose rows stand a twentieth farther apart
+        let stands = poses(&camera, &board())[bad];
+        for ring in &mut views[bad].rings {
+            let [x, y] = board().centre_m(ring.row, ring.column);
+            let place = stands.board_to_camera([x, 1.05 * y]);
+            ring.centre.point = camera.project(&place).unwrap();
+        }
+        let result = solved(&board(), &views);
+        assert!(!result.views[bad].used(), "seed {seed}");
+        assert_eq!(result.views_used(), 8, "seed {seed}");
+        views.remove(bad);
+        let clean = solved(&board(), &views);
+        let moved = (clean.values()[0] - result.values()[0]).abs() / clean.std(0);
+        assert!(moved < 0.5, "seed {seed}: {moved} standard deviations");
+    }
+}
+
+/// The rational model bends farther towards outliers than others do, and must come back from there.
+#[test]
+fn outliers_change_a_rational_lens_no_more_than_if_they_had_not_been_there() {
+    let options = CalibrateOptions {
+        model: LensModel::RationalPolynomial,
+        ..CalibrateOptions::default()
+    };
+    for seed in 0..8 {
+        let (_, mut spoilt) = lenses::kinect(0.02, seed);
+        with_covariance(&mut spoilt, Matrix2::identity() * 0.0004);
+        let mut clean = spoilt.clone();
+        let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
+        for (spoilt, clean) in spoilt.iter_mut().zip(&mut clean) {
+            clean.rings.clear();
+            for ring in &mut spoilt.rings {
+                if random.random::<f64>() < 0.1 {
+                    let angle = std::f64::consts::TAU * random.random::<f64>();
+                    let far = 1.0 + 29.0 * random.random::<f64>();
+                    ring.centre.point += nalgebra::Vector2::new(angle.cos(), angle.sin()) * far;
+                } else {
+                    clean.rings.push(ring.clone());
+                }
+            }
+        }
+        let clean = calibrate(&board(), &clean, &options).unwrap();
+        let spoilt = calibrate(&board(), &spoilt, &options).unwrap();
+        for at in 0..4 {
+            let moved = (clean.values()[at] - spoilt.values()[at]).abs() / clean.std(at);
+            assert!(moved < 0.5, "seed {seed}, {}: {moved}", clean.names[at]);
+        }
+    }
+}

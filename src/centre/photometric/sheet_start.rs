@@ -4,6 +4,7 @@ use super::blur::Blur;
 use super::board::{BoardPlace, BoardStart};
 use super::fit::Known;
 use super::fitted::RingFitted;
+use super::model::RingModel;
 use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::sheet::{Edge, Profile, SheetEnd, SheetRow};
@@ -82,19 +83,23 @@ pub(super) fn with_sheet(
     (fitted.squares + WORTH * variance < usual.squares).then_some(fitted)
 }
 
-/// Whether the end of the sheet that a fit knows shows in its window: one that was found beside neighbours that had not settled runs away
-/// as they do, or fades, and then its place is anything.
-pub(super) fn shows(window: &Window, fitted: &RingFitted) -> bool {
-    let Some(end) = fitted.model.sheet else {
+/// Whether the end of the sheet that a model knows shows in a window, by more than its noise: one that was found beside neighbours that
+/// had not settled runs away or fades as they do, and then its place is anything. What is the same in all pixels does not count: it might as
+/// well be the paper's light.
+pub(super) fn shows(window: &Window, model: &RingModel, noise: f64) -> bool {
+    let Some(end) = model.sheet else {
         return false;
     };
-    let least = LEAST_NOISE * (fitted.model.paper - fitted.model.ring).abs();
-    let step = end.beyond - fitted.model.paper;
-    let mut squares = 0.0;
-    for_each_missing(window, fitted, &end, |i, missing| {
-        squares += f64::from(missing * missing * window.weights[i]);
+    let (mut pixels, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for_each_missing(window, model, &end, |i, missing| {
+        let (weight, missing) = (f64::from(window.weights[i]), f64::from(missing));
+        pixels += weight;
+        sum += weight * missing;
+        squares += weight * missing * missing;
     });
-    step * step * squares > WORTH_A_FIT * fitted.noise.max(least).powi(2)
+    let uneven = squares - sum * sum / pixels.max(1.0);
+    let least = LEAST_NOISE * (model.paper - model.ring).abs();
+    (end.beyond - model.paper).powi(2) * uneven > WORTH_A_FIT * noise.max(least).powi(2)
 }
 
 /// An edge that may be there.
@@ -148,7 +153,7 @@ impl Candidate {
             edge: self.edge,
             other: None,
         };
-        for_each_missing(window, fitted, &end, |i, missing| {
+        for_each_missing(window, &fitted.model, &end, |i, missing| {
             residuals[i] -= self.step as f32 * missing * window.weights[i];
         });
     }
@@ -216,14 +221,14 @@ fn step_of(blur: &Blur, grid: &Grid, step_px: f64) -> Vec<f64> {
 /// What is missing of the sheet in each pixel of a window.
 fn for_each_missing(
     window: &Window,
-    fitted: &RingFitted,
+    model: &RingModel,
     end: &SheetEnd,
     mut visit: impl FnMut(usize, f32),
 ) {
     let (grid, stride) = (&window.grid, window.grid.stride());
     let mut missing = SheetRow::default();
     for row in 0..grid.height {
-        missing.fill(end, &fitted.model.blur, grid, row);
+        missing.fill(end, &model.blur, grid, row);
         let pixels = missing.missing[..grid.width].iter().enumerate();
         pixels.for_each(|(column, &part)| visit(row * stride + column, part));
     }

@@ -164,15 +164,19 @@ impl Under {
             let near = known.fit_with(model, psf, room);
             near.or_else(|_| carefully.fit_with(model, psf, room))
         };
-        let fitted = fit(&self.model);
-        let is_idle = |fitted: &RingFitted| !shows(known.window, fitted);
-        if self.model.sheet.is_some() && fitted.as_ref().map_or(true, is_idle) {
-            return fit(&RingModel {
-                sheet: None,
-                ..self.model
-            });
+        let without = |model: RingModel| RingModel {
+            sheet: None,
+            ..model
+        };
+        let noise = self.fitted.map_or(0.0, |fitted| fitted.noise);
+        if self.model.sheet.is_some() && !shows(known.window, &self.model, noise) {
+            return fit(&without(self.model));
         }
-        fitted
+        let fitted = fit(&self.model)?;
+        if fitted.model.sheet.is_some() && !shows(known.window, &fitted.model, fitted.noise) {
+            return fit(&without(self.model));
+        }
+        Ok(fitted)
     }
 
     /// Whether its last fit moved it away from a model.

@@ -45,6 +45,8 @@ const DEVIATIONS: f64 = 2.0;
 
 /// Quartiles of a normal distribution are so many standard deviations apart.
 const QUARTILES: f64 = 1.35;
+/// The median of its absolute values, in standard deviations.
+const NORMAL_MEDIAN: f64 = 0.674;
 
 /// # Errors
 /// [`Miss::TooBlurred`] where nobody can tell, [`Miss::OtherRadius`] or [`Miss::Unlike`] where the rings are none of this board's.
@@ -72,13 +74,20 @@ pub(super) fn are_the_boards(
     } else {
         MOST_OFF
     };
+    // print that is not quite the model's (its edges sharpened by the camera, say) misleads a fit the more the smaller the ring is
+    // against its blur: by a little more from each ring of a tilted board to the next
+    let spread = if sigma_px > HEAVY * width_px {
+        sizes.spread.min(sizes.uneven)
+    } else {
+        sizes.spread
+    };
     let odd = if sizes.common.abs() > most_off + uncertain {
         let given = board.outer_radius_m() / board.pitch_m();
         return Err(Miss::OtherRadius {
             seen: given * sizes.common.exp(),
             given,
         });
-    } else if sizes.spread > MOST_UNEVEN.hypot(uncertain) {
+    } else if spread > MOST_UNEVEN.hypot(uncertain) {
         Odd::Sizes
     } else if middle(&fits, |fitted| fitted.darkest).0 < DARKEST {
         Odd::Darkness
@@ -111,6 +120,8 @@ struct Sizes {
     common: f64,
     /// Standard deviation of a ring's about that.
     spread: f64,
+    /// The same by how much neighbours differ: not by what changes slowly over the board.
+    uneven: f64,
     /// Standard deviation of one of them by its own fit.
     deviation: f64,
 }
@@ -121,13 +132,22 @@ fn sizes(board: &Board, fits: &BTreeMap<Label, &RingFitted>) -> Sizes {
         let across = step(fits, label, (1, 0))?;
         let down = step(fits, label, (0, 1))?;
         let square_px = across.perp(&down).abs();
-        Some(log_size(fitted) - (part * square_px.sqrt()).ln())
+        Some((label, log_size(fitted) - (part * square_px.sqrt()).ln()))
     });
-    let (common, spread) = quartiles(over_file.collect());
+    let over_file: BTreeMap<Label, f64> = over_file.collect();
+    let (common, spread) = quartiles(over_file.values().copied().collect());
+    let next = over_file.iter().flat_map(|(&(column, row), size)| {
+        [(column + 1, row), (column, row + 1)]
+            .into_iter()
+            .filter_map(|label| Some((over_file.get(&label)? - size).abs()))
+            .collect::<Vec<f64>>()
+    });
+    let uneven = quartiles(next.collect()).0 / (NORMAL_MEDIAN * 2.0_f64.sqrt());
     let deviations = fits.values().map(|fitted| fitted.size_deviation());
     Sizes {
         common,
         spread,
+        uneven,
         deviation: quartiles(deviations.collect()).0,
     }
 }

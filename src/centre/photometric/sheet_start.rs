@@ -22,6 +22,8 @@ const LEAST_NOISE: f64 = 1e-3;
 const WORTH: f64 = 30.0;
 /// A candidate is worth a fit from this on: a fit without the edge hides most of what it would explain.
 const WORTH_A_FIT: f64 = 12.0;
+/// An end that changes the window by less than this many of a pixel's variances is none: what it could move a ring by is less than its noise.
+const SHOWS: f64 = 1.0;
 
 /// The sides of the board (unit vectors of its plane, outwards) at which a ring stands.
 pub(super) fn sides(board: &BoardStart, place: &BoardPlace) -> Vec<Vector2<f64>> {
@@ -99,7 +101,7 @@ pub(super) fn shows(window: &Window, model: &RingModel, noise: f64) -> bool {
     });
     let uneven = squares - sum * sum / pixels.max(1.0);
     let least = LEAST_NOISE * (model.paper - model.ring).abs();
-    (end.beyond - model.paper).powi(2) * uneven > WORTH_A_FIT * noise.max(least).powi(2)
+    (end.beyond - model.paper).powi(2) * uneven > SHOWS * noise.max(least).powi(2)
 }
 
 /// An edge that may be there.

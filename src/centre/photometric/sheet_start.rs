@@ -9,6 +9,7 @@ use super::plane::PlaneView;
 use super::problem::Workspace;
 use super::sheet::{Edge, Profile, SheetEnd, SheetRow};
 use super::window::{Grid, Window};
+use crate::centre::Ellipse;
 use nalgebra::{Point2, Vector2};
 
 /// An edge sharper than so many pixels of the window is left out instead: nothing of the ring is near it.
@@ -78,18 +79,26 @@ pub(super) fn with_sheet(
         edge: first.edge,
         other: found.get(1).map(|second| second.edge),
     };
-    let mut start = near.model;
-    start.sheet = Some(end);
-    let fitted = known.fit_with(&start, model.blur.psf, room).ok()?;
-    let variance = fitted.noise.max(least).powi(2);
-    (fitted.squares + WORTH * variance < usual.squares).then_some(fitted)
+    // a second edge that is none runs into the ring
+    let alone = end.other.map(|_| SheetEnd { other: None, ..end });
+    [Some(end), alone].into_iter().flatten().find_map(|end| {
+        let start = RingModel {
+            sheet: Some(end),
+            ..near.model
+        };
+        let fitted = known.fit_with(&start, model.blur.psf, room).ok()?;
+        let variance = fitted.noise.max(least).powi(2);
+        let is_worth = fitted.squares + WORTH * variance < usual.squares;
+        let found = fitted.model.sheet.filter(|_| is_worth)?;
+        is_beside(&fitted.model, &found).then_some(fitted)
+    })
 }
 
 /// Whether the end of the sheet that a model knows shows in a window, by more than its noise: one that was found beside neighbours that
 /// had not settled runs away or fades as they do, and then its place is anything. What is the same in all pixels does not count: it might as
-/// well be the paper's light.
+/// well be the paper's light. Nor is it one that cuts through the ring.
 pub(super) fn shows(window: &Window, model: &RingModel, noise: f64) -> bool {
-    let Some(end) = model.sheet else {
+    let Some(end) = model.sheet.filter(|end| is_beside(model, end)) else {
         return false;
     };
     let (mut pixels, mut sum, mut squares) = (0.0, 0.0, 0.0);
@@ -102,6 +111,26 @@ pub(super) fn shows(window: &Window, model: &RingModel, noise: f64) -> bool {
     let uneven = squares - sum * sum / pixels.max(1.0);
     let least = LEAST_NOISE * (model.paper - model.ring).abs();
     (end.beyond - model.paper).powi(2) * uneven > SHOWS * noise.max(least).powi(2)
+}
+
+/// Whether the sheet ends outside the ring's outline.
+fn is_beside(model: &RingModel, end: &SheetEnd) -> bool {
+    let Some(outline) = model.shape.ellipse(1.0) else {
+        return false;
+    };
+    let is_outside = |edge: &Edge| {
+        let normal = edge.normal();
+        let away = edge.offset_px + normal.dot(&(edge.anchor - outline.centre));
+        away > extent(&outline, &normal)
+    };
+    is_outside(&end.edge) && end.other.is_none_or(|other| is_outside(&other))
+}
+
+/// How far an outline reaches from its middle in a direction, px.
+fn extent(outline: &Ellipse, normal: &Vector2<f64>) -> f64 {
+    let (sin, cos) = outline.angle.sin_cos();
+    let (major, minor) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
+    (outline.major * normal.dot(&major)).hypot(outline.minor * normal.dot(&minor))
 }
 
 /// An edge that may be there.
@@ -124,9 +153,7 @@ impl Candidate {
     ) -> Option<Self> {
         let model = &fitted.model;
         let outline = model.shape.ellipse(1.0)?;
-        let (sin, cos) = outline.angle.sin_cos();
-        let (major, minor) = (Vector2::new(cos, sin), Vector2::new(-sin, cos));
-        let extent = (outline.major * normal.dot(&major)).hypot(outline.minor * normal.dot(&minor));
+        let extent = extent(&outline, &normal);
         let step_px = STEP_SIGMAS * model.blur.sigma_px();
         let across = Across::of(window, (outline.centre, normal, extent), step_px, residuals);
         let steps = step_of(&model.blur, &window.grid, step_px);

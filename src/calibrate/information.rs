@@ -10,8 +10,8 @@ use super::adjust::Solution;
 use super::calibration::{Calibration, ViewFit};
 use super::design::{self, Total};
 use super::normal_equations::NormalEquations;
-use super::observations::{Observation, observations};
-use super::roll::{LeftOut, Roll};
+use super::observations::Observation;
+use super::roll::LeftOut;
 use super::shared::{Free, Shared};
 use super::solve;
 use super::uncertainty::{Covariance, Range};
@@ -64,10 +64,7 @@ impl Estimate {
         views: &[View],
         options: &CalibrateOptions,
     ) -> Result<Self, CalibrateError> {
-        let rings = observations(board, views)?;
-        let mut roll = Roll::new(views, rings);
-        solve::enough(&roll)?;
-        let solved = solve::solve(board, views, &mut roll, options)?;
+        let (solved, roll) = solve::solved(board, views, options)?;
         let (free, shared) = (solved.free.clone(), solved.adjusted.solution.shared);
         let information = solved.adjusted.equations.information();
         let mut information = information.unwrap_or_default().into_iter();

@@ -5,9 +5,7 @@
 //! explains the views much better.
 
 use super::cross_validation::validate;
-use super::{
-    CalibrateError, CalibrateOptions, Calibration, CrossValidation, observations, roll, solve,
-};
+use super::{CalibrateError, CalibrateOptions, Calibration, CrossValidation, solve};
 use crate::board::Board;
 use crate::camera::LensModel;
 use crate::session::View;
@@ -117,13 +115,7 @@ pub fn choose_model(
 
 /// [`super::calibrate`], and how well the solution explains the views even where it is refused.
 fn tried(board: &Board, views: &[View], options: &CalibrateOptions) -> Tried {
-    let solved = observations::observations(board, views).and_then(|rings| {
-        let mut roll = roll::Roll::new(views, rings);
-        solve::enough(&roll)?;
-        let solved = solve::solve(board, views, &mut roll, options)?;
-        Ok((solved, roll))
-    });
-    match solved {
+    match solve::solved(board, views, options) {
         Ok((solved, roll)) => {
             let explained = Explained {
                 views: roll.active().len(),

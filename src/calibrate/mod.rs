@@ -80,10 +80,7 @@ pub fn calibrate(
     views: &[View],
     options: &CalibrateOptions,
 ) -> Result<Calibration, CalibrateError> {
-    let rings = observations::observations(board, views)?;
-    let mut roll = roll::Roll::new(views, rings);
-    solve::enough(&roll)?;
-    let solved = solve::solve(board, views, &mut roll, options)?;
+    let (solved, roll) = solve::solved(board, views, options)?;
     solve::conclude(solved, roll, options)
 }
 

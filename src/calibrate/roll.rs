@@ -170,8 +170,7 @@ impl Roll {
         for at in &active {
             all.extend(&squares[*at]);
         }
-        let scale = (median(&mut all) / MEDIAN).max(self.negligible());
-        let limit = -2.0 * (CHANCE / all.len().max(1) as f64).ln() * scale;
+        let (scale, limit) = self.scale_and_limit(&mut all);
         let mut changed = false;
         let mut means = Vec::new();
         for at in active {
@@ -195,6 +194,13 @@ impl Roll {
         changed
     }
 
+    /// What is usual of a ring's squares, and what they exceed by mistake alone, if these are those of all rings.
+    fn scale_and_limit(&self, all: &mut [f64]) -> (f64, f64) {
+        let scale = (median(all) / MEDIAN).max(self.negligible());
+        let limit = -2.0 * (CHANCE / all.len().max(1) as f64).ln() * scale;
+        (scale, limit)
+    }
+
     /// Takes back views that were left out while the solution was bent by others and that it does not contradict any more; whether
     /// there are any.
     pub fn take_back(&mut self, shared: &Shared) -> bool {
@@ -202,8 +208,7 @@ impl Roll {
         for at in self.active() {
             all.extend(self.squares(at, shared));
         }
-        let scale = (median(&mut all) / MEDIAN).max(self.negligible());
-        let limit = -2.0 * (CHANCE / all.len().max(1) as f64).ln() * scale;
+        let (_, limit) = self.scale_and_limit(&mut all);
         let mut any = false;
         for at in 0..self.rings.len() {
             let contradicted = matches!(self.left_out[at], Some(LeftOut::MostRings { .. }));

@@ -4,7 +4,7 @@ use super::adjust::{Adjusted, Goal, adjust};
 use super::below::charged;
 use super::calibration::{self, Calibration, ViewFit};
 use super::leverage::without_bending;
-use super::observations::Observation;
+use super::observations::{Observation, observations};
 use super::roll::{Roll, residual_px};
 use super::shared::{Free, Shared, SheetShape};
 use super::uncertainty::Covariance;
@@ -36,7 +36,7 @@ pub(super) struct Solved {
 }
 
 /// Refuses too few views.
-pub(super) fn enough(roll: &Roll) -> Result<(), CalibrateError> {
+fn enough(roll: &Roll) -> Result<(), CalibrateError> {
     let (left, given) = (roll.active().len(), roll.rings.len());
     if left >= NEEDED_VIEWS {
         return Ok(());
@@ -52,8 +52,20 @@ pub(super) fn enough(roll: &Roll) -> Result<(), CalibrateError> {
     })
 }
 
+/// The solution of the views, whether or not they determine it, and which of them it rests on.
+pub(super) fn solved(
+    board: &Board,
+    views: &[View],
+    options: &CalibrateOptions,
+) -> Result<(Solved, Roll), CalibrateError> {
+    let mut roll = Roll::new(views, observations(board, views)?);
+    enough(&roll)?;
+    let solved = solve(board, views, &mut roll, options)?;
+    Ok((solved, roll))
+}
+
 /// Adjusts, leaves out what contradicts, and adjusts again until nothing changes.
-pub(super) fn solve(
+fn solve(
     board: &Board,
     views: &[View],
     roll: &mut Roll,

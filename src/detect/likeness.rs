@@ -137,12 +137,10 @@ fn sizes(board: &Board, fits: &BTreeMap<Label, &RingFitted>) -> Sizes {
     let over_file: BTreeMap<Label, f64> = over_file.collect();
     let (common, spread) = quartiles(over_file.values().copied().collect());
     let next = over_file.iter().flat_map(|(&(column, row), size)| {
-        [(column + 1, row), (column, row + 1)]
-            .into_iter()
-            .filter_map(|label| Some((over_file.get(&label)? - size).abs()))
-            .collect::<Vec<f64>>()
+        let beside = [(column + 1, row), (column, row + 1)];
+        beside.map(|label| Some((over_file.get(&label)? - size).abs()))
     });
-    let uneven = quartiles(next.collect()).0 / (NORMAL_MEDIAN * 2.0_f64.sqrt());
+    let uneven = quartiles(next.flatten().collect()).0 / (NORMAL_MEDIAN * 2.0_f64.sqrt());
     let deviations = fits.values().map(|fitted| fitted.size_deviation());
     Sizes {
         common,

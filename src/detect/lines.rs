@@ -51,10 +51,7 @@ impl Line {
     }
 
     pub(super) fn is_in_doubt(self, board: &Board, placed: &[Placed]) -> bool {
-        let seen = placed
-            .iter()
-            .filter(|ring| self.contains(board, ring.row, ring.column));
-        (seen.count() as f64) < THIN * self.rings(board) as f64
+        seen(board, self, placed) < THIN * self.rings(board) as f64
     }
 
     /// The grid without this line, moved to where the line was.
@@ -85,6 +82,16 @@ pub(super) fn seen(board: &Board, line: Line, placed: &[Placed]) -> f64 {
         .iter()
         .filter(|ring| line.contains(board, ring.row, ring.column));
     seen.count() as f64
+}
+
+/// How many of these places (row, column) are in none of some lines.
+pub(super) fn elsewhere(
+    board: &Board,
+    lines: &[Line],
+    places: impl Iterator<Item = (u16, u16)>,
+) -> usize {
+    let among = |row, column| lines.iter().any(|l| l.contains(board, row, column));
+    places.filter(|&(row, column)| !among(row, column)).count()
 }
 
 /// What is said of lines that are none: where the others are nearly all there, the size that they have.

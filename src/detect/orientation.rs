@@ -100,11 +100,9 @@ pub(super) fn upright(
     rows: u16,
     columns: u16,
 ) -> Vec<Numbering> {
-    let turns = (0..4).flat_map(|quarters| windows(labels, quarters, rows, columns));
-    let least = (NEARLY_ALL * labels.len() as f64).ceil() as usize;
-    let turns: Vec<(Numbering, usize)> = turns.filter(|&(_, covered)| covered >= least).collect();
-    let most = turns.iter().map(|turn| turn.1).max();
-    let fitting = turns
+    let nearly_all = covering(labels, rows, columns);
+    let most = nearly_all.iter().map(|way| way.1).max();
+    let fitting = nearly_all
         .into_iter()
         .filter(|&(_, covered)| Some(covered) == most);
     let angles: Vec<(f64, Numbering)> = fitting
@@ -118,10 +116,15 @@ pub(super) fn upright(
 
 /// All numberings that put nearly all labels on the board.
 pub(super) fn numberings(labels: &[Label], rows: u16, columns: u16) -> Vec<Numbering> {
+    let nearly_all = covering(labels, rows, columns).into_iter();
+    nearly_all.map(|(numbering, _)| numbering).collect()
+}
+
+/// The numberings that put nearly all labels on the board, and how many those are.
+fn covering(labels: &[Label], rows: u16, columns: u16) -> Vec<(Numbering, usize)> {
     let least = (NEARLY_ALL * labels.len() as f64).ceil() as usize;
     let turns = (0..4).flat_map(|quarters| windows(labels, quarters, rows, columns));
-    let fitting = turns.filter(|&(_, covered)| covered >= least);
-    fitting.map(|(numbering, _)| numbering).collect()
+    turns.filter(|&(_, covered)| covered >= least).collect()
 }
 
 /// The shift that puts most labels on the board, the smallest on ties, and how many those are.

@@ -10,7 +10,7 @@ use super::centres::centres;
 use super::detection::{Measured, Miss, Ring};
 use super::detector::DetectOptions;
 use super::grid::{Grid, Placed};
-use super::lines::{Line, lines_missing, seen};
+use super::lines::{Line, elsewhere, lines_missing, seen};
 use crate::board::Board;
 use crate::centre::Estimator;
 use crate::frame::Frame;
@@ -60,12 +60,7 @@ fn are_all_measured(board: &Board, seen: &[f64; 4], rings: &[Ring]) -> Result<()
     if missing.is_empty() {
         return Ok(());
     }
-    let in_missing = |ring: &Ring| {
-        missing
-            .iter()
-            .any(|l| l.contains(board, ring.row, ring.column))
-    };
-    let others = rings.iter().filter(|ring| !in_missing(ring)).count();
+    let others = elsewhere(board, &missing, rings.iter().map(|r| (r.row, r.column)));
     Err(lines_missing(board, &missing, others))
 }
 
@@ -131,12 +126,7 @@ fn tested_centres(
     if wrong.is_empty() {
         return Ok(answer(placed, first));
     }
-    let in_wrong = |ring: &Placed| {
-        wrong
-            .iter()
-            .any(|l| l.contains(board, ring.row, ring.column))
-    };
-    let others = placed.iter().filter(|ring| !in_wrong(ring)).count();
+    let others = elsewhere(board, &wrong, placed.iter().map(|r| (r.row, r.column)));
     let missing = lines_missing(board, &wrong, others);
     let mut moved = placed;
     for &line in &wrong {

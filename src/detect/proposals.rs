@@ -18,7 +18,6 @@ use super::outermost::is_alike;
 use super::plausible::{Asked, has_the_ratio, is_plausible};
 use super::required::Required;
 use crate::board::Board;
-use crate::centre::Estimator;
 use crate::frame::Frame;
 
 /// What edges show can be the board from this fraction of its rings on, and there are so many ways to lay it over them at most.
@@ -79,20 +78,19 @@ impl Measured<'_> {
             return Vec::new();
         }
         let numberings = upright(&labels, &self.places.homography, rows, columns);
-        let inner = |first: u16, size: u16| first + 1 < size;
         let proposals = numberings.into_iter().filter_map(|numbering| {
             let placed = self.placed(numbering);
             let row = |row: u16| placed.iter().any(|ring| ring.row == row);
             let column = |column: u16| placed.iter().any(|ring| ring.column == column);
-            let within = (1..rows).filter(|&r| inner(r, rows)).all(row)
-                && (1..columns).filter(|&c| inner(c, columns)).all(column);
+            let within =
+                (1..rows.saturating_sub(1)).all(row) && (1..columns.saturating_sub(1)).all(column);
             (within && self.goes_on(numbering, Beside::Alike).is_none()).then_some(placed)
         });
         proposals.take(MOST_PROPOSED).collect()
     }
 }
 
-/// Whether the grey values agree with rings that edges alone place, some of the outermost rows and columns without any: these lines'
+/// Whether the grey values (the estimator's, the photometric one's) agree with rings that edges alone place, some of the outermost rows and columns without any: these lines'
 /// rings must be like the others. Then the centres of the rings are returned.
 pub(super) fn confirmed(
     frame: &Frame,
@@ -101,11 +99,7 @@ pub(super) fn confirmed(
     options: &DetectOptions,
     sign: f64,
 ) -> Option<(Vec<Ring>, Option<Report>)> {
-    let by_grey = DetectOptions {
-        estimator: Estimator::Photometric,
-        ..*options
-    };
-    let (rings, measured) = centres(frame, board, (placed, Indices::Absolute), &by_grey, sign);
+    let (rings, measured) = centres(frame, board, (placed, Indices::Absolute), options, sign);
     let fitted = rings.iter().filter(|ring| ring.kept.is_some()).count();
     let holds = fitted >= options.required.least(board)
         && Line::ALL

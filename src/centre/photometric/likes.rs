@@ -55,7 +55,7 @@ fn settle_among(
     mut fitted: RingFitted,
     room: &mut Workspace,
 ) -> Option<RingFitted> {
-    // logarithms of size and blur sigma: those that are drawn, and those that were fitted and drawn the time before
+    // logarithms of size and blur sigma; the last fit's, and how far they were from what had been drawn
     let looks = |fitted: &RingFitted| {
         let sigma_px = fitted.model.blur.sigma_px().max(f64::MIN_POSITIVE);
         Vector2::new(relative_size(place, fitted).ln(), sigma_px.ln())
@@ -83,9 +83,8 @@ fn settle_among(
         if apart.amax() < STAYS {
             break;
         }
-        let (next, change) = (fits + onwards(last, fits, apart), apart);
-        last = Some((fits, change));
-        drawn = next;
+        drawn = fits + onwards(last, fits, apart);
+        last = Some((fits, apart));
     }
     Some(fitted)
 }

@@ -164,17 +164,18 @@ impl Under {
             let near = known.fit_with(model, psf, room);
             near.or_else(|_| carefully.fit_with(model, psf, room))
         };
-        let without = |model: RingModel| RingModel {
+        let bare = RingModel {
             sheet: None,
-            ..model
+            ..self.model
         };
         let noise = self.fitted.map_or(0.0, |fitted| fitted.noise);
-        if self.model.sheet.is_some() && !shows(known.window, &self.model, noise) {
-            return fit(&without(self.model));
+        let has_end = self.model.sheet.is_some();
+        if has_end && !shows(known.window, &self.model, noise) {
+            return fit(&bare);
         }
         let fitted = fit(&self.model)?;
-        if fitted.model.sheet.is_some() && !shows(known.window, &fitted.model, fitted.noise) {
-            return fit(&without(self.model));
+        if has_end && !shows(known.window, &fitted.model, fitted.noise) {
+            return fit(&bare);
         }
         Ok(fitted)
     }

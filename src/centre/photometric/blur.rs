@@ -55,8 +55,8 @@ impl Blur {
     /// Smaller sizes than this look the same, in pixels of the grid: the pixel's own box hides them.
     pub(super) fn least_size(&self) -> f64 {
         match self.psf {
-            Psf::Gaussian => super::gaussian::LEAST_SIGMA,
-            Psf::Disc => 2.0 * super::gaussian::LEAST_SIGMA,
+            Psf::Gaussian => super::sharp::LEAST_SIGMA,
+            Psf::Disc => 2.0 * super::sharp::LEAST_SIGMA,
         }
     }
 

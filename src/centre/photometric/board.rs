@@ -5,10 +5,11 @@
 //! skirts of neighbours reach into a ring's window they are part of its model, from the neighbours' own fits, until nothing
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
-use super::around::around;
+use super::around::{around, reaches};
 use super::blur::Psf;
 use super::border::mend;
 use super::choice::PsfChoice;
+use super::crowd::{Crowd, Ends};
 use super::fit::{Given, Known};
 use super::flatten::{bend_back, flatten};
 use super::joint::settle_together;
@@ -112,14 +113,15 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         .par_iter()
         .map(|place| Under::begin(frame, (board, place, view.as_ref()), &verdict))
         .collect();
-    let mut crowd = None;
+    let mut moved = vec![true; rings.len()];
     for round in 0..ROUNDS {
-        if round > 1 {
-            crowd = settle_together(board.ratio, &mut rings);
+        if round > 1 && settle_together(board.ratio, &mut rings) {
+            moved.fill(true);
         }
-        let moved = fit_round(board, view.as_ref(), &mut rings, round);
+        moved = fit_round(board, view.as_ref(), &mut rings, (round, &moved));
         let failed = rings.iter().filter(|ring| ring.fitted.is_err()).count();
-        if !moved || round > 0 && failed as f64 > HOPELESS * rings.len() as f64 {
+        let is_hopeless = round > 0 && failed as f64 > HOPELESS * rings.len() as f64;
+        if is_hopeless || !moved.contains(&true) {
             break;
         }
     }
@@ -140,17 +142,21 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
         && let Some(map) = &shared.map
         && mend(frame, board, &mut rings, map)
     {
-        fit_round(board, view.as_ref(), &mut rings, ROUNDS);
+        let all = vec![true; rings.len()];
+        fit_round(board, view.as_ref(), &mut rings, (ROUNDS, &all));
         is_stale = true;
     }
     if even_out(board, &mut rings) {
-        crowd = settle_together(board.ratio, &mut rings).or(crowd);
+        settle_together(board.ratio, &mut rings);
         is_stale = true;
     }
     is_stale |= Usual::leave_out_covered(&mut rings);
     let out_of_round = out_of_round(board.ratio, &rings);
+    let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
+    let crowd = rings.iter().any(|ring| ring.crowded);
+    let crowd = crowd.then(|| Crowd::of(board.ratio, (&rings, &models), Ends::Free));
     is_stale |= bend_back(&mut rings);
-    if let Some(crowd) = crowd {
+    if let Some(crowd) = crowd.flatten() {
         crowd.widen(&mut rings);
         is_stale = true;
     }
@@ -164,25 +170,33 @@ pub fn measure_board(frame: &Frame, board: &BoardStart) -> BoardMeasured {
     }
 }
 
-/// Fits all rings that have neighbours in reach (in the first round all); says whether another round may change anything.
+/// Fits the rings that have moved and those that have one in reach that has (in the first round all); says which may make others move.
 fn fit_round(
     board: &BoardStart,
     view: Option<&PlaneView>,
     rings: &mut [Under],
-    round: usize,
-) -> bool {
+    (round, moved): (usize, &[bool]),
+) -> Vec<bool> {
     let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let moved = rings.par_iter_mut().zip(board.places).enumerate().map_init(
-        Workspace::default,
-        |room, (i, (ring, place))| {
-            if round > 0 && !ring.crowded {
-                return false;
-            }
-            ring.fit((board, place, view), (i, &models), room);
-            ring.crowded && ring.has_moved(&models[i])
-        },
-    );
-    moved.reduce(|| false, |a, b| a || b)
+    let is_touched = |i: usize, ring: &Under| {
+        let grid = ring.window.as_ref().map(|window| window.grid);
+        let others = models.iter().zip(moved).enumerate();
+        grid.is_some_and(|grid| {
+            moved[i]
+                || others
+                    .filter(|(_, (_, moved))| **moved)
+                    .any(|(j, (model, _))| j != i && reaches(model, &grid))
+        })
+    };
+    let work = rings.par_iter_mut().zip(board.places).enumerate();
+    let moved = work.map_init(Workspace::default, |room, (i, (ring, place))| {
+        if round > 0 && !(ring.crowded && is_touched(i, ring)) {
+            return false;
+        }
+        ring.fit((board, place, view), (i, &models), room);
+        ring.crowded && ring.has_moved(&models[i])
+    });
+    moved.collect()
 }
 
 /// The rings with what they say together; those whose own pixels do not tell their shape get it from the map

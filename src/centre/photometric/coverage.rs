@@ -104,7 +104,7 @@ impl Coverage {
                 DiscEdge::new(&circle, size).map(|edge| draw(&edge, grid, planes, contrast))
             }
             Psf::Gaussian if size < sharp::MOST_SIGMA => {
-                SharpCircle::new(&circle, size.max(LEAST_SIGMA))
+                SharpCircle::new(&circle, size.max(sharp::LEAST_SIGMA))
                     .map(|edge| draw(&edge, grid, planes, contrast))
             }
             Psf::Gaussian => {

@@ -18,18 +18,19 @@
 //! whole covariance of s_i is L_i X_ii L_i^T with X = (1 + H)^-1: a ring whose neighbours are not known either is less certain than
 //! its own pixels make it look.
 
-use super::around::{around, reaches};
-use super::coverage::LANES;
-use super::descent::BLUR_PRIOR;
-use super::equations::{diagonal_scales, scaled_by};
+use super::around::reaches;
+use super::coverage::{COVERAGE_PARAMETERS, LANES, Plane};
+use super::descent::add_priors;
+use super::equations::{diagonal_scales, freeze, scaled_by};
 use super::fitted::ShapeCovariance;
 use super::gmres::gmres;
-use super::model::{BLUR, Matrix, PARAMETERS, RingModel, Vector};
+use super::model::{BLUR, Matrix, PARAMETERS, RingModel, SHEET, Vector};
 use super::problem::{Normal, Problem, Workspace};
 use super::rows::shades;
 use super::shape::SHAPE_PARAMETERS;
 use super::under::Under;
 use super::wall::Wall;
+use super::window::Grid;
 use nalgebra::{DMatrix, DVector, SMatrix};
 use rayon::prelude::*;
 
@@ -45,6 +46,14 @@ const WORTH_TELLING: f64 = 0.02;
 /// The equations of all rings of a board.
 pub(super) struct Crowd(Vec<Part>);
 
+/// Whether the ends of the sheet beside rings are to be found too. They show in no other ring's window, and in their tails what they add is so
+/// far from linear that a step would be worth nothing: a fit of the ring finds them better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ends {
+    Free,
+    Held,
+}
+
 /// One ring's part of them.
 struct Part {
     /// A_i^-1.
@@ -52,45 +61,75 @@ struct Part {
     gradient: Vector,
     /// L_i.
     spread: Shown,
+    /// How much less its sum of squares would be if it stood at its best among the others as they are, in variances of its noise.
+    wants: f64,
     /// B_ij L_j, H_ij, and j.
     by_others: Vec<(usize, Coupling, Shown)>,
 }
 
-/// A_i^-1, L_i, the gradient, and the couplings with their rings' numbers.
-type Alone = (Matrix, Shown, Vector, Vec<(usize, Coupling)>);
+/// One ring's part as far as it is known from its own window: the B_ij are not yet in the others' units.
+struct Alone {
+    inverse: Matrix,
+    gradient: Vector,
+    spread: Shown,
+    wants: f64,
+    couplings: Vec<(usize, Coupling)>,
+}
+
+impl Alone {
+    /// Of a ring without a fit, which has no say.
+    fn mute() -> Self {
+        Self {
+            inverse: Matrix::zeros(),
+            gradient: Vector::zeros(),
+            spread: Shown::identity(),
+            wants: 0.0,
+            couplings: Vec::new(),
+        }
+    }
+
+    fn among(self, spreads: &[Shown]) -> Part {
+        let shown = self.inverse.fixed_rows::<SHOWN>(0);
+        let coupled = self.couplings.into_iter().map(|(j, coupling)| {
+            let coupling = coupling * spreads[j];
+            let by_other = self.spread.solve_lower_triangular(&(shown * coupling));
+            (j, coupling, by_other.unwrap_or_else(Shown::zeros))
+        });
+        Part {
+            inverse: self.inverse,
+            gradient: self.gradient,
+            spread: self.spread,
+            wants: self.wants,
+            by_others: coupled.collect(),
+        }
+    }
+}
 
 impl Crowd {
-    /// Where the rings stand; `None` where no ring has another in reach.
-    pub(super) fn of(ratio: f64, rings: &[Under]) -> Option<Self> {
-        let models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
+    /// Where rings are at these models; `None` where no ring has another in reach.
+    pub(super) fn of(
+        ratio: f64,
+        (rings, models): (&[Under], &[RingModel]),
+        ends: Ends,
+    ) -> Option<Self> {
         let alone: Vec<Alone> = rings
             .par_iter()
             .enumerate()
             .map_init(Workspace::default, |room, (i, ring)| {
-                let own = part(ratio, ring, (i, &models, rings), room);
-                own.unwrap_or_else(|| (Matrix::zeros(), Shown::identity(), Vector::zeros(), vec![]))
+                alone(ratio, ring, (i, models, rings), ends, room).unwrap_or_else(Alone::mute)
             })
             .collect();
-        if alone.iter().all(|(_, _, _, others)| others.is_empty()) {
+        if alone.iter().all(|ring| ring.couplings.is_empty()) {
             return None;
         }
-        let spreads: Vec<Shown> = alone.iter().map(|(_, spread, _, _)| *spread).collect();
-        let part = |(inverse, spread, gradient, others): Alone| {
-            let shown = inverse.fixed_rows::<SHOWN>(0);
-            let coupled = others.into_iter().map(|(j, coupling)| {
-                let coupling = coupling * spreads[j];
-                let by_other = spread.solve_lower_triangular(&(shown * coupling));
-                (j, coupling, by_other.unwrap_or_else(Shown::zeros))
-            });
-            let by_others = coupled.collect();
-            Part {
-                inverse,
-                gradient,
-                spread,
-                by_others,
-            }
-        };
-        Some(Self(alone.into_par_iter().map(part).collect()))
+        let spreads: Vec<Shown> = alone.iter().map(|ring| ring.spread).collect();
+        let parts = alone.into_par_iter().map(|ring| ring.among(&spreads));
+        Some(Self(parts.collect()))
+    }
+
+    /// How much less the rings' sums of squares would be if each stood at its best among the others as they are, in variances of their noise.
+    pub(super) fn wants(&self) -> f64 {
+        self.0.iter().map(|part| part.wants).sum()
     }
 
     /// The step of each ring; `None` where none is found.
@@ -184,52 +223,114 @@ impl Crowd {
     }
 }
 
-/// A^-1, L, the gradient and the couplings of one ring; `None` where it has no fit, and so no say.
-fn part(
+/// What one ring's own window says; `None` where it has no fit.
+fn alone(
     ratio: f64,
     ring: &Under,
     (own, models, rings): (usize, &[RingModel], &[Under]),
+    ends: Ends,
     room: &mut Workspace,
 ) -> Option<Alone> {
-    let fitted = ring.fitted.ok()?;
+    let (fitted, model) = (ring.fitted.ok()?, models[own]);
     let window = ring.window.as_ref()?;
-    let around = around(&window.grid, ratio, (own, models), room);
+    let near: Vec<usize> = (0..rings.len())
+        .filter(|&j| j != own && reaches(&models[j], &window.grid))
+        .filter(|&j| models[j].shape.ellipse(ratio).is_some())
+        .collect();
+    let (around, shown) = room.neighbours(&window.grid, (&model, ratio), &near, models)?;
     let problem = Problem {
         window,
         ratio,
-        around: around.as_ref(),
+        around: Some(&around),
         noise: fitted.noise,
     };
-    let others: Vec<(usize, &RingModel)> = (0..rings.len())
-        .filter(|&j| j != own && rings[j].fitted.is_ok() && reaches(&models[j], &window.grid))
-        .map(|j| (j, &models[j]))
-        .collect();
-    let (normal, couplings) = room.couplings(&problem, &ring.model, &others)?;
+    let (normal, mut couplings) = room.couplings(&problem, &model, &shown)?;
     let (mut matrix, mut gradient) = (normal.matrix, normal.gradient);
-    let (parameters, wall) = (ring.model.parameters(), Wall::of(&matrix));
+    let (parameters, wall) = (model.parameters(), Wall::of(&matrix));
     wall.push(&parameters, &mut gradient);
     wall.stiffen(&parameters, &mut matrix);
-    matrix[(BLUR, BLUR)] += BLUR_PRIOR;
-    let scales = diagonal_scales::<PARAMETERS>(&matrix);
-    let inverse = scaled_by(&matrix, &scales).cholesky()?.l().try_inverse()?;
-    let back = Matrix::from_fn(|i, j| scales[i] * inverse[(j, i)]);
-    let inverse = back * back.transpose();
+    add_priors(&mut matrix, model.count());
+    if ends == Ends::Held {
+        for k in SHEET..model.count() {
+            freeze(&mut matrix, k);
+            gradient[k] = 0.0;
+            couplings
+                .iter_mut()
+                .for_each(|coupling| coupling.row_mut(k).fill(0.0));
+        }
+    }
+    let inverse = inverse(&matrix)?;
     let shown = inverse.fixed_view::<SHOWN, SHOWN>(0, 0).into_owned();
     let scales = shown.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
     let unit = Shown::from_fn(|i, j| shown[(i, j)] / (scales[i] * scales[j]));
-    let spread = Shown::from_diagonal(&scales) * unit.cholesky()?.l();
-    let couplings = others.iter().map(|(j, _)| *j).zip(couplings).collect();
-    Some((inverse, spread, gradient, couplings))
+    let couplings = near.into_iter().zip(couplings);
+    Some(Alone {
+        inverse,
+        gradient,
+        spread: Shown::from_diagonal(&scales) * unit.cholesky()?.l(),
+        wants: gradient.dot(&(inverse * gradient)) / (fitted.noise * fitted.noise),
+        couplings: couplings
+            .filter(|(j, _)| rings[*j].fitted.is_ok())
+            .collect(),
+    })
+}
+
+/// Of a normal matrix, whose units differ by many orders of magnitude.
+fn inverse(matrix: &Matrix) -> Option<Matrix> {
+    let scales = diagonal_scales::<PARAMETERS>(matrix);
+    let inverse = scaled_by(matrix, &scales).cholesky()?.l().try_inverse()?;
+    let back = Matrix::from_fn(|i, j| scales[i] * inverse[(j, i)]);
+    Some(back * back.transpose())
+}
+
+/// What a neighbour shows in a ring's window changes so by its shape and blur (its square, px^2), were it lit like the ring.
+struct ShownChanges {
+    planes: [Plane; COVERAGE_PARAMETERS],
+    by_blur: f64,
 }
 
 impl Workspace {
-    /// The normal equations at a model, and the products of its derivatives with those by shape and blur of other rings, which are lit
-    /// like this one; `None` where one of the shapes is no ring.
+    /// The coverages of a ring's window by its neighbours together, and how what each shows there changes; `None` where one of the shapes is no
+    /// ring.
+    fn neighbours(
+        &mut self,
+        grid: &Grid,
+        (model, ratio): (&RingModel, f64),
+        near: &[usize],
+        models: &[RingModel],
+    ) -> Option<([Plane; 2], Vec<ShownChanges>)> {
+        let size = grid.stride() * grid.height;
+        let mut around = [vec![0.0; size], vec![0.0; size]];
+        let contrasts = Some(model.contrasts());
+        let shown = near.iter().map(|&j| {
+            let other = &models[j];
+            self.dispatch(
+                #[inline(always)]
+                |room| {
+                    let shape = (&other.shape, &other.blur);
+                    room.coverage.fill(grid, shape, ratio, contrasts, None)?;
+                    for (sum, circle) in around.iter_mut().zip(&room.coverage.circles) {
+                        let pairs = sum.iter_mut().zip(circle);
+                        pairs.for_each(|(sum, circle)| *sum += circle);
+                    }
+                    Some(ShownChanges {
+                        planes: std::mem::take(&mut room.coverage.changes),
+                        by_blur: other.by_blur(grid),
+                    })
+                },
+            )
+        });
+        let shown = shown.collect::<Option<Vec<_>>>()?;
+        Some((around, shown))
+    }
+
+    /// The normal equations at a model, and the products of its derivatives with those by shape and blur of others; `None` where its shape is no
+    /// ring.
     fn couplings(
         &mut self,
         problem: &Problem,
         model: &RingModel,
-        others: &[(usize, &RingModel)],
+        others: &[ShownChanges],
     ) -> Option<(Normal, Vec<Coupling>)> {
         let grid = &problem.window.grid;
         let mut derivatives = vec![Vec::new(); model.count()];
@@ -238,31 +339,29 @@ impl Workspace {
                 all.extend_from_slice(rows.column(k));
             }
         })?;
+        // what is seen of another is shaded like the ring
         let shades: Vec<f32> = (0..grid.height)
             .flat_map(|row| shades(model, grid, row))
             .collect();
-        let couplings = others.iter().map(|(_, other)| {
-            self.dispatch(
-                #[inline(always)]
-                |room| {
-                    let known = (problem.ratio, Some(model.contrasts()));
-                    let shown = (&other.shape, &other.blur);
-                    room.coverage.fill(grid, shown, known.0, known.1, None)?;
-                    let mut out = Coupling::zeros();
-                    for (k, change) in room.coverage.changes.iter_mut().enumerate() {
-                        let scale = if k == BLUR { other.by_blur(grid) } else { 1.0 };
-                        let pairs = change.iter_mut().zip(&shades);
-                        pairs.for_each(|(change, shade)| *change *= shade);
-                        for (a, own) in derivatives.iter().enumerate() {
-                            out[(a, k)] = scale * sum_of_products(own, change);
+        self.dispatch(
+            #[inline(always)]
+            |_| {
+                for derivative in &mut derivatives {
+                    let pairs = derivative.iter_mut().zip(&shades);
+                    pairs.for_each(|(derivative, shade)| *derivative *= shade);
+                }
+                let couplings = others.iter().map(|other| {
+                    Coupling::from_fn(|a, k| match derivatives.get(a) {
+                        Some(own) => {
+                            let scale = if k == BLUR { other.by_blur } else { 1.0 };
+                            scale * sum_of_products(own, &other.planes[k])
                         }
-                    }
-                    Some(out)
-                },
-            )
-        });
-        let couplings = couplings.collect::<Option<Vec<_>>>()?;
-        Some((normal, couplings))
+                        None => 0.0,
+                    })
+                });
+                Some((normal, couplings.collect()))
+            },
+        )
     }
 }
 

@@ -213,15 +213,7 @@ impl<'a, 'b> Descent<'a, 'b> {
     /// The normal matrix of what is free.
     fn matrix(&self) -> Matrix {
         let mut matrix = self.normal.matrix;
-        matrix[(BLUR, BLUR)] += BLUR_PRIOR;
-        let [light, offset, angle] = SHEET_PRIOR;
-        for k in SHEET..self.start.count() {
-            matrix[(k, k)] += match (k - SHEET) % EDGE_PARAMETERS {
-                _ if k == SHEET => light,
-                1 => offset,
-                _ => angle,
-            };
-        }
+        add_priors(&mut matrix, self.start.count());
         self.given.held().for_each(|k| freeze(&mut matrix, k));
         matrix
     }
@@ -275,6 +267,19 @@ impl<'a, 'b> Descent<'a, 'b> {
             .map_or(self.parameters, |step| self.parameters + step);
         let (paper, ring) = (levels[PAPER], levels[RING]);
         paper.min(ring) / paper.max(ring).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// Adds what keeps the first `count` parameters determined whatever the pixels say.
+pub(super) fn add_priors(matrix: &mut Matrix, count: usize) {
+    matrix[(BLUR, BLUR)] += BLUR_PRIOR;
+    let [light, offset, angle] = SHEET_PRIOR;
+    for k in SHEET..count {
+        matrix[(k, k)] += match (k - SHEET) % EDGE_PARAMETERS {
+            _ if k == SHEET => light,
+            1 => offset,
+            _ => angle,
+        };
     }
 }
 

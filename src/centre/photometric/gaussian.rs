@@ -9,10 +9,10 @@ use super::window::Grid;
 /// The kernel is zero beyond this many standard deviations: 1e-5 of it is cut off.
 const REACH: f32 = 4.4;
 /// Distance of nodes in standard deviations: the trapezoidal rule is then right within 2 exp(-2 pi^2 / 1.3^2) = 2e-5.
-const SPACING: f64 = 1.3;
+pub(super) const SPACING: f64 = 1.3;
 /// Blur below this is taken as this, pixels of the grid: the pixel's own box hides it. A pixel on a perfectly sharp edge is wrong by
-/// at most 0.012 of the contrast then, a centre by 4e-4 px; half of it would take twice the nodes for a third less of that.
-pub(super) const LEAST_SIGMA: f64 = 0.06;
+/// at most 0.006 of the contrast then, a centre by 1e-4 px.
+pub(super) const LEAST_SIGMA: f64 = 0.03;
 
 /// The stamps of the nodes of one outline: of each its row and its column.
 #[derive(Debug, Clone, Default)]

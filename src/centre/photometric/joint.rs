@@ -5,96 +5,66 @@
 //! the first derivatives say how each ring's best answer depends on its neighbours' parameters (`crowd`): that gives the step at which no
 //! ring would want to move any more.
 
-use super::around::around;
-use super::crowd::Crowd;
-use super::fit::{Given, Known};
+use super::crowd::{Crowd, Ends};
 use super::model::{BLUR, INSIDE, PAPER, RING, RingModel, Vector};
-use super::problem::Workspace;
 use super::under::Under;
-use rayon::prelude::*;
 
 /// Steps at most: rings that began with twice their contrast and half their size come back in a dozen.
 const STEPS: usize = 16;
-/// Another step is worth its while where the last one has lowered the sum of squares by this many variances for each ring: what is left
-/// of a centre's error then is a few per cent of the noise's.
-const WORTH_ANOTHER: f64 = 0.03;
+/// A step is worth its while where the sums of squares could be lower by this many variances for each ring: what is left of a centre's error
+/// then is a few per cent of the noise's.
+const WORTH_A_STEP: f64 = 0.03;
 /// A step moves no outline by more than this (blur sigmas) and changes no contrast by more than this part of it: what is farther off is
 /// no longer linear.
 const LONGEST: f64 = 0.7;
 const MOST_CONTRAST: f64 = 0.2;
-/// Shares of the step that are tried until one lowers the sum of squares.
+/// Shares of the step that are tried until the rings want less than before.
 const SHARES: [f64; 3] = [1.0, 0.4, 0.15];
 
-/// Moves all rings that are fitted to where none of them would want to move any more. Returns the equations of the last step; `None` where no
-/// ring has another in reach.
-pub(super) fn settle_together(ratio: f64, rings: &mut [Under]) -> Option<Crowd> {
-    let mut known = None;
-    let mut crowd = Crowd::of(ratio, rings)?;
-    for step in 0..STEPS {
-        if step > 0 {
-            crowd = Crowd::of(ratio, rings)?;
+/// Moves all rings that are fitted to where none of them would want to move any more; says whether any has moved.
+pub(super) fn settle_together(ratio: f64, rings: &mut [Under]) -> bool {
+    let mut models: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
+    let Some(mut crowd) = Crowd::of(ratio, (rings, &models), Ends::Held) else {
+        return false;
+    };
+    let mut any = false;
+    for _ in 0..STEPS {
+        if crowd.wants() < WORTH_A_STEP * rings.len() as f64 {
+            break;
         }
-        let Some((before, after)) = step_together(ratio, rings, &crowd, known) else {
+        let Some(next) = step_together(ratio, (rings, &models), &crowd) else {
             break;
         };
-        if before - after < WORTH_ANOTHER * rings.len() as f64 {
-            break;
-        }
-        known = Some(after);
+        (models, crowd) = next;
+        any = true;
     }
-    Some(crowd)
+    for (ring, model) in rings.iter_mut().zip(models) {
+        if let Ok(fitted) = &mut ring.fitted {
+            ring.model = model;
+            fitted.model = model;
+        }
+    }
+    any
 }
 
-/// One such step, to first order, from the sum of squares where the rings stand (if that is known). Returns the sums before and after it, in
-/// variances of the rings' noise; `None` where no step was taken.
+/// One such step, to first order. Returns the models after it and their equations; `None` where rings would want more than before.
 fn step_together(
     ratio: f64,
-    rings: &mut [Under],
+    (rings, before): (&[Under], &[RingModel]),
     crowd: &Crowd,
-    known: Option<f64>,
-) -> Option<(f64, f64)> {
+) -> Option<(Vec<RingModel>, Crowd)> {
     let steps = crowd.steps()?;
-    let before: Vec<RingModel> = rings.iter().map(|ring| ring.model).collect();
-    let squares = known.unwrap_or_else(|| squares_of_all(ratio, rings, &before));
-    for share in SHARES {
-        let models: Vec<RingModel> = before
-            .iter()
-            .zip(&steps)
-            .map(|(model, step)| moved(model, &(step * share)).unwrap_or(*model))
-            .collect();
-        let after = squares_of_all(ratio, rings, &models);
-        if after < squares {
-            for (ring, model) in rings.iter_mut().zip(models) {
-                if let Ok(fitted) = &mut ring.fitted {
-                    ring.model = model;
-                    fitted.model = model;
-                }
-            }
-            return Some((squares, after));
-        }
-    }
-    None
-}
-
-/// What all rings leave in their windows, in variances of their noise.
-fn squares_of_all(ratio: f64, rings: &[Under], models: &[RingModel]) -> f64 {
-    let left = rings.par_iter().enumerate();
-    let left = left.map_init(Workspace::default, |room, (i, ring)| {
-        let (Ok(fitted), Some(window)) = (ring.fitted, ring.window.as_ref()) else {
-            return 0.0;
-        };
-        let around = around(&window.grid, ratio, (i, models), room);
-        let known = Known {
-            window,
-            ratio,
-            around: around.as_ref(),
-            given: Given::NearStart,
-        };
-        let residuals = room.residuals(&known, &models[i]).iter();
-        residuals.map(|&r| f64::from(r * r)).sum::<f64>() / (fitted.noise * fitted.noise)
-    });
-    // in their order, so that it is the same on any number of threads
-    left.collect::<Vec<f64>>().into_iter().sum()
+    let after = |share: f64| {
+        let pairs = before.iter().zip(&steps);
+        let models = pairs.map(|(model, step)| moved(model, &(step * share)).unwrap_or(*model));
+        let models: Vec<RingModel> = models.collect();
+        let crowd = Crowd::of(ratio, (rings, &models), Ends::Held)?;
+        Some((models, crowd))
+    };
+    SHARES
+        .into_iter()
+        .filter_map(after)
+        .find(|(_, next)| next.wants() < crowd.wants())
 }
 
 /// The model after a step, which is cut where it is too long; `None` where nothing is left of the ring.

@@ -24,6 +24,11 @@ const BENT: f64 = 6e-3;
 /// the fold of a wide lens, where bends are as large as 0.3 px.
 const UNSURE: f64 = 0.012;
 
+/// Times that bends are taken off a ring's pixels: first where its free fit says it is, then where it was found without them. It stays when it
+/// moves by less than this many of its standard deviations.
+const TIMES: usize = 3;
+const STAYS: f64 = 0.3;
+
 /// A ring as a view keeps it, and its shape as a camera and a pose say it is.
 #[derive(Debug, Clone, Copy)]
 pub struct KnownRing<'a> {
@@ -49,7 +54,7 @@ pub fn refit(
             let image = |d| image(i, d);
             let bent = Bent::beside(ring.shape, &image, ratio)?;
             let (centre, covariance) = match &ring.kept.window {
-                Some(window) => by_pixels(ring, window, (ratio, image), (i, &models), room),
+                Some(window) => by_pixels(ring, window, (ratio, &image), (i, &models), room),
                 None => by_fit(ring, (ratio, &bent), image, room),
             }?;
             let unsure = UNSURE * bent.beside_px;
@@ -79,13 +84,13 @@ fn by_fit(
 fn by_pixels(
     ring: &KnownRing,
     kept: &KeptWindow,
-    (ratio, image): (f64, impl Image),
+    (ratio, image): (f64, &impl Image),
     (own, models): (usize, &[RingModel]),
     room: &mut Workspace,
 ) -> Option<CentreAndCovariance> {
     let fitted = &ring.kept.fitted;
     let given = given_perspective(fitted, ring.shape.perspective)?;
-    let start = RingModel {
+    let mut start = RingModel {
         shape: Shape {
             centre: given.centre.0,
             affine: fitted.model.shape.affine,
@@ -93,19 +98,29 @@ fn by_pixels(
         },
         ..fitted.model
     };
-    let mut window = kept.restore();
-    // the bends as they are where the ring was seen, which is not quite where it is expected
-    let seen = start.shape.centre - ring.shape.centre;
-    let image = |d| Some(image(d)? + seen);
-    straighten(&mut window, &start, image, ratio, room)?;
-    let around = around(&window.grid, ratio, (own, models), room);
-    let known = Known {
-        window: &window,
-        ratio,
-        around: around.as_ref(),
-        given: Given::Perspective,
-    };
-    let again = known.fit_with(&start, start.blur.psf, room).ok()?;
+    let whole = kept.restore();
+    let around = around(&whole.grid, ratio, (own, models), room);
+    let mut again = None;
+    for _ in 0..TIMES {
+        let mut window = whole.clone();
+        // the bends as they are where the ring was seen, which is not quite where it is expected
+        let seen = start.shape.centre - ring.shape.centre;
+        straighten(&mut window, &start, |d| Some(image(d)? + seen), ratio, room)?;
+        let known = Known {
+            window: &window,
+            ratio,
+            around: around.as_ref(),
+            given: Given::Perspective,
+        };
+        let fitted = known.fit_with(&start, start.blur.psf, room).ok()?;
+        let moved = fitted.model.shape.centre - start.shape.centre;
+        start = fitted.model;
+        again = Some(fitted);
+        if moved.norm_squared() < STAYS * STAYS * fitted.centre_covariance().trace() {
+            break;
+        }
+    }
+    let again = again?;
     let believed = (given.is_near() && agrees(&again, &given.centre))
         || again.noise < fitted.noise.hypot(BENT * contrast(fitted));
     believed.then(|| (again.model.shape.centre, again.centre_covariance()))

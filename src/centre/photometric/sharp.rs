@@ -20,6 +20,8 @@ use super::real::Real;
 
 /// Blur from which on other forms are as good, pixels of the grid.
 pub(super) const MOST_SIGMA: f64 = 0.5;
+/// Smaller blurs look the same, pixels of the grid: the pixel's own box hides them.
+pub(super) const LEAST_SIGMA: f64 = 0.015;
 /// Smaller circles bend too much within a pixel: least semi-axis, pixels of the grid.
 pub(super) const LEAST_RADIUS: f64 = 5.0;
 /// The step is flat beyond this many sigmas.

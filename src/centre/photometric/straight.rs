@@ -6,15 +6,15 @@
 //! where that ends is what the bends have moved it by. (`bent` says the same for curves alone: without a blur that mixes the two.)
 
 use super::bent::{Bent, Image};
-use super::blur::{Blur, Psf};
+use super::blur::Blur;
 use super::boundary::{Node, trace};
 use super::fit::{Given, Known, fit_closely};
 use super::fitted::RingFitted;
+use super::gaussian::{LEAST_SIGMA, SPACING};
 use super::model::RingModel;
 use super::problem::Workspace;
 use super::rows::light;
 use super::shape::{SHAPE_PARAMETERS, Shape};
-use super::sharp::MOST_SIGMA;
 use super::sheet::SheetRow;
 use super::window::{Grid, Window};
 use nalgebra::Vector2;
@@ -44,7 +44,7 @@ pub(super) fn straighten(
     let shape = Bent::beside(model.shape, &image, ratio)?.as_large();
     let model = RingModel {
         shape,
-        blur: soft(&model.blur, &grid),
+        blur: soft(&model.blur, &grid, &shape)?,
         ..*model
     };
     let bent = picture_of_bent(&grid, &model, image, ratio, room)?;
@@ -73,7 +73,7 @@ pub(super) fn found_of_bent(
     let grid = window.grid;
     let model = RingModel {
         shape: bent.as_large(),
-        blur: soft(&light.blur, &grid),
+        blur: soft(&light.blur, &grid, &bent.straight)?,
         ..light
     };
     window.values = picture_of_bent(&grid, &model, image, ratio, room)?;
@@ -128,14 +128,16 @@ fn grid_about(shape: &Shape, blur: &Blur) -> Option<Grid> {
     })
 }
 
-/// A blur that nodes can lay: what bends do to a sharper ring is the same.
-fn soft(blur: &Blur, grid: &Grid) -> Blur {
-    let least = MOST_SIGMA * grid.pixel_px;
-    match blur.psf {
-        Psf::Gaussian if blur.size_px < least => Blur::gaussian(least),
-        Psf::Disc if blur.sigma_px() < least => Blur::of_sigma(Psf::Disc, least),
-        _ => *blur,
-    }
+/// The blur, or one that nodes can lay along so long an outline; what bends do to a sharper one is nearly the same. `None` where there is no
+/// outline.
+fn soft(blur: &Blur, grid: &Grid, shape: &Shape) -> Option<Blur> {
+    let length_px = TAU * shape.ellipse(1.0)?.major;
+    let least_px = (length_px / (NODES.1 * SPACING)).max(LEAST_SIGMA * grid.pixel_px);
+    Some(if blur.sigma_px() < least_px {
+        Blur::of_sigma(blur.psf, least_px)
+    } else {
+        *blur
+    })
 }
 
 /// The nodes of a bent circle, at most `spacing` pixels of the grid apart.

@@ -224,7 +224,9 @@ pub enum Miss {
         expected: usize,
     },
     /// Rings that do not stand in the board's grid.
-    #[error("{found} rings seen, but they do not stand in a grid of {rows} x {columns}")]
+    #[error(
+        "{found} rings seen, but they do not stand in a grid of {rows} x {columns}: show all of the board, flat, or give the file of the board that is shown"
+    )]
     NoGrid {
         /// Rings seen.
         found: usize,

@@ -7,7 +7,7 @@ use super::marks::numbering_by_marks;
 use super::measured::Measured;
 use super::orientation::Numbering;
 use super::other_size::Beside;
-use super::plausible::{Asked, has_the_ratio, is_plausible};
+use super::plausible::{Asked, is_plausible, is_scattered};
 use super::proposals::Refused;
 use super::required::Required;
 use super::ring_fit::{Care, RingFit};
@@ -67,6 +67,11 @@ pub(super) fn find_grid(
         for lattice in chosen {
             let care = Care::of(options.estimator);
             let mut measured = Measured::new(frame, board, rings, sign, lattice, care);
+            if is_scattered(&measured.rings, &measured.places) {
+                let found = measured.rings.len();
+                first.get_or_insert(too_few_or_no_grid(board, found, options.required));
+                continue;
+            }
             measured.complete(options.required.least(board));
             let refused = match measured.verdict_or_without_strays(options.required, beside) {
                 Ok((rings, indices)) => {
@@ -227,7 +232,7 @@ impl Measured<'_> {
                 columns,
             });
         }
-        if !has_the_ratio(self.board, &self.rings) {
+        if !self.has_the_ratio() {
             let odd = Odd::Inners;
             return Err(Miss::Unlike { found, odd });
         }

@@ -2,8 +2,10 @@
 
 use super::edges::median;
 use super::labelling::{Label, Lattice, extent};
+use super::light::is_clipped;
 use super::orientation::{Numbering, choose};
 use super::places::{Places, line_leads};
+use super::plausible::has_the_ratio;
 use super::ring_fit::{Care, RingFit, measure, measure_disc};
 use crate::board::Board;
 use crate::centre::RingEllipses;
@@ -135,6 +137,12 @@ impl<'a> Measured<'a> {
         if !sizes.is_empty() {
             self.size = median(&mut sizes);
         }
+    }
+
+    /// Whether the inner circles are as large as the board file says, as far as edges tell.
+    pub(super) fn has_the_ratio(&self) -> bool {
+        has_the_ratio(self.board, &self.rings, None)
+            || is_clipped(self.frame) && has_the_ratio(self.board, &self.rings, Some(self.sign))
     }
 
     pub(super) fn numbering(&self) -> Option<Numbering> {

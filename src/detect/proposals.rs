@@ -8,14 +8,16 @@
 use super::centres::centres;
 use super::detection::{Indices, Measured as Report, Miss, Ring};
 use super::detector::DetectOptions;
+use super::edges::median;
 use super::grid::Placed;
 use super::labelling::Label;
-use super::lines::Line;
+use super::lines::{Line, seen};
+use super::marks::spot;
 use super::measured::Measured;
-use super::orientation::upright;
+use super::orientation::{Numbering, upright};
 use super::other_size::Beside;
 use super::outermost::is_alike;
-use super::plausible::{Asked, has_the_ratio, is_plausible};
+use super::plausible::{Asked, is_plausible};
 use super::required::Required;
 use crate::board::Board;
 use crate::frame::Frame;
@@ -29,6 +31,8 @@ const LEAST_ASKED: usize = 12;
 const MOST_MEASURED: usize = 4;
 /// At least this fraction of a line's rings must be like the others, where little else speaks for it.
 const SURE: f64 = 0.6;
+/// Paper is blank where spots have less than this fraction of the usual contrast.
+const BLANK: f64 = 0.03;
 
 /// Why there is no board, and what may be one nevertheless.
 pub(super) struct Refused {
@@ -73,7 +77,7 @@ impl Measured<'_> {
             && self.board.marks().is_empty()
             && self.is_heavily_blurred()
             && is_plausible(self.board, &self.rings, &self.places, Asked::Places)
-            && has_the_ratio(self.board, &self.rings);
+            && self.has_the_ratio();
         if !can_be {
             return Vec::new();
         }
@@ -84,10 +88,51 @@ impl Measured<'_> {
             let column = |column: u16| placed.iter().any(|ring| ring.column == column);
             let within =
                 (1..rows.saturating_sub(1)).all(row) && (1..columns.saturating_sub(1)).all(column);
-            (within && self.goes_on(numbering, Beside::Alike).is_none()).then_some(placed)
+            let shows = within && self.shows_print(numbering, &placed);
+            (shows && self.goes_on(numbering, Beside::Alike).is_none()).then_some(placed)
         });
         proposals.take(MOST_PROPOSED).collect()
     }
+
+    /// Whether something is printed where a board laid like that has lines of which no ring was seen. Blank paper costs a fit of a whole
+    /// board to refuse, and many times that of a board, since nothing in it settles.
+    fn shows_print(&self, numbering: Numbering, placed: &[Placed]) -> bool {
+        let contrast = |row: u16, column: u16| {
+            let label = numbering.label((i32::from(column), i32::from(row)));
+            Some(
+                spot(self.frame, self.board, &self.places, label)?
+                    .contrast
+                    .abs(),
+            )
+        };
+        let mut known: Vec<f64> = placed
+            .iter()
+            .filter_map(|ring| contrast(ring.row, ring.column))
+            .collect();
+        if known.is_empty() {
+            return true;
+        }
+        let usual = median(&mut known);
+        let unseen = Line::ALL
+            .into_iter()
+            .filter(|&line| seen(self.board, line, placed) == 0.0);
+        unseen.into_iter().all(|line| {
+            let of_line = self.board.indices();
+            let of_line = of_line.filter(|&(row, column)| line.contains(self.board, row, column));
+            is_print(of_line.map(|(row, column)| contrast(row, column)), usual)
+        })
+    }
+}
+
+/// Whether half of some places or more have a contrast that the `usual` one leaves of print under any blur; what lies outside the frame
+/// may have.
+fn is_print(contrasts: impl Iterator<Item = Option<f64>>, usual: f64) -> bool {
+    let (mut print, mut all) = (0, 0);
+    for contrast in contrasts {
+        print += usize::from(contrast.is_none_or(|contrast| contrast >= BLANK * usual));
+        all += 1;
+    }
+    2 * print >= all
 }
 
 /// Whether the grey values (the estimator's, the photometric one's) agree with rings that edges alone place, some of the outermost rows and columns without any: these lines'
@@ -107,4 +152,20 @@ pub(super) fn confirmed(
             .filter(|line| line.is_in_doubt(board, placed))
             .all(|line| is_alike(board, line, &rings, SURE * line.rings(board) as f64));
     holds.then_some((rings, measured))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blank_paper_is_no_print_and_what_lies_outside_may_be() {
+        let seen = |contrasts: [f64; 4]| is_print(contrasts.into_iter().map(Some), 0.5);
+        assert!(!seen([0.001, 0.004, 0.01, 0.2]));
+        assert!(seen([0.001, 0.03, 0.004, 0.2]));
+        assert!(is_print(
+            [None, None, Some(0.0), Some(0.0)].into_iter(),
+            0.5
+        ));
+    }
 }

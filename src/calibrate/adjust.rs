@@ -17,6 +17,10 @@ const RELATIVE_DECREASE: f64 = 1e-12;
 const COARSE_DECREASE: f64 = 1e-2;
 /// The same where rounding stops the descent first.
 const RELATIVE_ROUNDING: f64 = 1e-8;
+/// The same for a solution that others are predicted from, ...
+const PREDICTION_DECREASE: f64 = 1e-7;
+/// ... and its linearisations at most: what takes more predicts nothing.
+const PREDICTION_ITERATIONS: usize = 12;
 /// Promised decrease over the mean squared residual at which it is close enough when it has not converged.
 const CLOSE: f64 = 1e-4;
 /// Whitened residual that counts as none.
@@ -54,6 +58,8 @@ pub(super) enum Goal {
     Exact,
     /// To rounding, from where another one ended and little has changed since.
     ExactFromNear,
+    /// To a thousandth of a standard deviation or so, in a few steps from where another one ended: to be predicted from.
+    Prediction,
 }
 
 /// Lowers the cost over the free numbers and all poses; `None` where a ring has no image at the start.
@@ -75,8 +81,13 @@ pub(super) fn adjust(
         Goal::Coarse => (COARSE_DECREASE, FIRST_DAMPING),
         Goal::Exact => (RELATIVE_DECREASE, FIRST_DAMPING),
         Goal::ExactFromNear => (RELATIVE_DECREASE, NEAR_DAMPING),
+        Goal::Prediction => (PREDICTION_DECREASE, NEAR_DAMPING),
     };
-    while now.iterations < MAX_ITERATIONS {
+    let most = match goal {
+        Goal::Prediction => PREDICTION_ITERATIONS,
+        _ => MAX_ITERATIONS,
+    };
+    while now.iterations < most {
         now.iterations += 1;
         let cost = now.equations.cost();
         // the promise of the undamped step: a damped one promises little however far the solution is

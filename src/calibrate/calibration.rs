@@ -26,7 +26,7 @@ pub struct Calibration {
     /// Names of what `covariance` is about: the camera's parameters, then what was estimated of the sheet.
     pub names: Vec<&'static str>,
     /// Covariance of `names` in that order: `variance_factor` times the inverse of the Schur complement of
-    /// J^T J. Rows and columns of fixed parameters are 0.
+    /// J^T J, less what the charge on k4 to k6 of the rational model adds to it. Rows and columns of fixed parameters are 0.
     pub covariance: DMatrix<f64>,
     /// Names of the parameters that were not estimated.
     pub fixed: Vec<&'static str>,
@@ -34,6 +34,9 @@ pub struct Calibration {
     pub iterations: usize,
     /// A change of the focal length between the views, where there is one beyond chance.
     pub change: Option<Change>,
+    /// Calibrations by other lens models that explain the views as well; the covariances cover what they disagree by. None unless the
+    /// lens model was chosen by the views (`rivals`).
+    pub rivals: Vec<Calibration>,
     pub(super) uncertain: Covariance,
 }
 
@@ -92,6 +95,15 @@ impl Calibration {
         let names = self.names.iter().skip(camera.len());
         let rest = names.map(|name| of_sheet(name));
         camera.iter().copied().chain(rest).collect()
+    }
+
+    /// Numbers measured less numbers estimated.
+    pub(super) fn degrees(&self) -> f64 {
+        let used = || self.views.iter().filter(|view| view.used());
+        let rings: usize = used()
+            .map(|view| view.rings_used.len() - view.rings_left_out())
+            .sum();
+        (2 * rings) as f64 - (self.uncertain.free.len() + 6 * used().count()) as f64
     }
 
     /// How many views took part.

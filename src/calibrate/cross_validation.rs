@@ -1,8 +1,16 @@
 //! How well views predict views they were not calibrated from.
+//!
+//! The camera of all views is next to that of any part of them, and who is an outlier is known: so each part is adjusted from the whole
+//! solution, in a step or two, and the views left out find their poses from those they have in it.
 
-use super::resect::{Known, resect};
-use super::{CalibrateError, CalibrateOptions, Calibration, NEEDED_VIEWS, calibrate};
+use super::adjust::{Goal, Solution, adjust};
+use super::calibration::rms;
+use super::observations::{Observation, observations};
+use super::roll::residual_px;
+use super::shared::{Free, Shared};
+use super::{CalibrateError, CalibrateOptions, Calibration, NEEDED_VIEWS, observed};
 use crate::board::Board;
+use crate::camera::Pose;
 use crate::session::View;
 use rayon::prelude::*;
 
@@ -44,28 +52,17 @@ pub(super) fn validate(
     options: &CalibrateOptions,
     calibration: &Calibration,
 ) -> (CrossValidation, Option<CalibrateError>) {
-    let used: Vec<usize> = (0..views.len())
-        .filter(|at| calibration.views[*at].used())
-        .collect();
-    let views: Vec<View> = used
-        .iter()
-        .map(|at| without_outliers(&views[*at], &calibration.views[*at].rings_used))
-        .collect();
-    let folds = FOLDS.min(views.len());
-    // the camera of all views is a good start for each part of them
-    let options = CalibrateOptions {
-        guess: options.guess.or(Some(calibration.camera)),
-        ..options.clone()
-    };
+    let whole = Whole::of(board, views, options, calibration);
+    let count = whole.as_ref().map_or(0, |whole| whole.views.len());
+    let folds = FOLDS.min(count);
     let mut refused = None;
-    let parts: Vec<Result<Vec<HeldOut>, CalibrateError>> = if views.len() <= NEEDED_VIEWS {
-        refused = Some(CalibrateError::TooFewViews { found: views.len() });
-        Vec::new()
-    } else {
-        (0..folds)
+    let parts: Vec<Result<Vec<HeldOut>, CalibrateError>> = match whole {
+        Err(error) => vec![Err(error)],
+        Ok(_) if count <= NEEDED_VIEWS => vec![Err(CalibrateError::TooFewViews { found: count })],
+        Ok(whole) => (0..folds)
             .into_par_iter()
-            .map(|fold| held_out(board, &views, &options, (fold, folds)))
-            .collect()
+            .map(|fold| whole.held_out(fold, folds))
+            .collect(),
     };
     let mut view_factors = vec![None; calibration.views.len()];
     let (mut squares, mut rings) = (0.0, 0);
@@ -73,7 +70,7 @@ pub(super) fn validate(
         match part {
             Ok(part) => {
                 for view in part {
-                    view_factors[used[view.at]] = Some(view.factor);
+                    view_factors[view.at] = Some(view.factor);
                     squares += view.rms_px * view.rms_px * view.rings as f64;
                     rings += view.rings;
                 }
@@ -89,9 +86,23 @@ pub(super) fn validate(
     (validated, refused)
 }
 
+/// The solution of all views that took part.
+struct Whole {
+    shared: Shared,
+    free: Free,
+    views: Vec<One>,
+}
+
+/// A view of it: its place among all, where it stands, and its rings that took part, with what their estimator measures.
+struct One {
+    at: usize,
+    pose: Pose,
+    rings: Vec<Observation>,
+}
+
 /// A view predicted from others.
 struct HeldOut {
-    /// Its place among the views that are validated.
+    /// Its place among all views.
     at: usize,
     /// Sum of its squared whitened residuals over the degrees of freedom.
     factor: f64,
@@ -99,46 +110,82 @@ struct HeldOut {
     rings: usize,
 }
 
-/// The views of one part, predicted from the others.
-fn held_out(
-    board: &Board,
-    views: &[View],
-    options: &CalibrateOptions,
-    (fold, folds): (usize, usize),
-) -> Result<Vec<HeldOut>, CalibrateError> {
-    let inside = |at: usize| at % folds == fold;
-    let rest: Vec<View> = (0..views.len())
-        .filter(|at| !inside(*at))
-        .map(|at| views[at].clone())
-        .collect();
-    let camera = calibrate(board, &rest, options)?;
-    let known = Known {
-        camera: camera.camera,
-        sheet: camera.sheet,
-        estimator: options.estimator,
-    };
-    let places: Vec<usize> = (0..views.len()).filter(|at| inside(*at)).collect();
-    let left: Vec<View> = places.iter().map(|at| views[*at].clone()).collect();
-    let resections = resect(board, &left, &known)?;
-    let told = places.into_iter().zip(resections);
-    Ok(told
-        .filter(|(_, r)| r.fit.used() && r.degrees > 0.0)
-        .map(|(at, r)| HeldOut {
-            at,
-            factor: r.cost / r.degrees,
-            rms_px: r.fit.rms_px,
-            rings: r.fit.residuals.len(),
+impl Whole {
+    fn of(
+        board: &Board,
+        views: &[View],
+        options: &CalibrateOptions,
+        calibration: &Calibration,
+    ) -> Result<Self, CalibrateError> {
+        let shared = Shared {
+            camera: calibration.camera,
+            sheet: calibration.sheet,
+            middle_m: board.middle_m(),
+        };
+        let mut rings = observations(board, views)?;
+        let poses: Vec<Option<Pose>> = calibration.views.iter().map(|fit| fit.pose).collect();
+        observed::predict(board, &shared, &poses, &mut rings, options.estimator);
+        let fits = calibration.views.iter().zip(rings).enumerate();
+        let views = fits.filter(|(_, (fit, _))| fit.used());
+        let views = views.filter_map(|(at, (fit, rings))| {
+            let used = rings.into_iter().zip(&fit.rings_used);
+            Some(One {
+                at,
+                pose: fit.pose?,
+                rings: used.filter(|(_, used)| **used).map(|(r, _)| r).collect(),
+            })
+        });
+        Ok(Self {
+            shared,
+            free: calibration.uncertain.free.clone(),
+            views: views.collect(),
         })
-        .collect())
+    }
+
+    /// The views of one part, predicted from the others.
+    fn held_out(&self, fold: usize, folds: usize) -> Result<Vec<HeldOut>, CalibrateError> {
+        let inside = |place: usize| place % folds == fold;
+        let places = || 0..self.views.len();
+        let (poses, rings): (Vec<Pose>, Vec<Vec<Observation>>) = places()
+            .filter(|place| !inside(*place))
+            .map(|place| (self.views[place].pose, self.views[place].rings.clone()))
+            .unzip();
+        let measured = 2 * rings.iter().map(Vec::len).sum::<usize>();
+        let unknown = self.free.len() + 6 * poses.len();
+        if measured <= unknown {
+            return Err(CalibrateError::TooFewMeasurements { measured, unknown });
+        }
+        let start = Solution {
+            shared: self.shared,
+            poses,
+        };
+        let none = CalibrateError::NotConverged { iterations: 0 };
+        let rest = adjust(start, &rings, &self.free, Goal::Prediction).ok_or(none)?;
+        let shared = rest.solution.shared;
+        let held = places().filter(|place| inside(*place));
+        Ok(held
+            .filter_map(|place| self.views[place].predicted(shared))
+            .collect())
+    }
 }
 
-fn without_outliers(view: &View, used: &[bool]) -> View {
-    let rings = view.rings.iter().zip(used);
-    View {
-        rings: rings
-            .filter(|(_, used)| **used)
-            .map(|(ring, _)| ring.clone())
-            .collect(),
-        ..view.clone()
+impl One {
+    /// What is left of it with the camera of other views, once it stands where that says; `None` where it cannot.
+    fn predicted(&self, shared: Shared) -> Option<HeldOut> {
+        let start = Solution {
+            shared,
+            poses: vec![self.pose],
+        };
+        let degrees = 2.0 * self.rings.len() as f64 - 6.0;
+        let rings = std::slice::from_ref(&self.rings);
+        let settled = adjust(start, rings, &Free::default(), Goal::Prediction)?;
+        let pose = settled.solution.poses.first()?;
+        let residuals = self.rings.iter();
+        (degrees > 0.0).then(|| HeldOut {
+            at: self.at,
+            factor: settled.equations.squares() / degrees,
+            rms_px: rms(residuals.filter_map(|ring| residual_px(&shared, pose, ring))),
+            rings: self.rings.len(),
+        })
     }
 }

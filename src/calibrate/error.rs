@@ -1,6 +1,7 @@
 //! Why a calibration is refused.
 
 use super::{FixedError, NEEDED_VIEWS};
+use crate::camera::LensModel;
 use nalgebra::Point2;
 
 /// What views lack; displays as what to do.
@@ -39,6 +40,17 @@ impl std::fmt::Display for Missing {
     }
 }
 
+/// A difference of two lenses in words.
+fn apart(px: f64) -> String {
+    match px {
+        px if !px.is_finite() => {
+            "everything, because only one of them sees anything there".to_owned()
+        }
+        px if px < 10.0 => format!("{px:.1} px"),
+        px => format!("{px:.0} px"),
+    }
+}
+
 /// Why views do not give a calibration; displays as one plain sentence.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CalibrateError {
@@ -62,7 +74,7 @@ pub enum CalibrateError {
         first: (usize, usize),
     },
     /// A view of another frame size than the camera's that it is held against.
-    #[error("{source_name} is {} x {} px, the camera's frames are {} x {} px", size.0, size.1, camera.0, camera.1)]
+    #[error("{source_name} is {} x {} px, the camera's frames are {} x {} px: a calibration holds for one resolution", size.0, size.1, camera.0, camera.1)]
     CameraSize {
         /// `source` of the view.
         source_name: String,
@@ -163,6 +175,22 @@ pub enum CalibrateError {
         /// Whether numbers below the line of the rational model are estimated, which most lenses do without.
         below: bool,
     },
+    /// Lens models explain the views equally well and disagree about the frame.
+    #[error(
+        "the views cannot tell which lens it is: {chosen} and {rival} explain them equally well, and near ({:.0}, {:.0}) they differ \
+         by {}: show the board there, and tilted to all sides, or give the lens model if it is known",
+        at.x, at.y, apart(*apart_px)
+    )]
+    LensModel {
+        /// The one that would have been chosen.
+        chosen: LensModel,
+        /// The other.
+        rival: LensModel,
+        /// Where they differ most in the frame, px.
+        at: Point2<f64>,
+        /// By how much, px; not finite where only one of them sees anything.
+        apart_px: f64,
+    },
     /// The lens model found does not reach most of the frame.
     #[error(
         "the lens that fits the views folds over in {percent:.0} % of the frame: show the board there too, or use another lens model"
@@ -200,7 +228,10 @@ impl CalibrateError {
     pub fn is_of_the_views(&self) -> bool {
         matches!(
             self,
-            Self::Undetermined { .. } | Self::LensOpen { .. } | Self::Parallel { .. }
+            Self::Undetermined { .. }
+                | Self::LensOpen { .. }
+                | Self::LensModel { .. }
+                | Self::Parallel { .. }
         )
     }
 
@@ -212,6 +243,7 @@ impl CalibrateError {
                 | Self::TooFewMeasurements { .. }
                 | Self::Undetermined { .. }
                 | Self::LensOpen { .. }
+                | Self::LensModel { .. }
                 | Self::LensFolds { .. }
                 | Self::Parallel { .. }
                 | Self::NotConverged { .. }

@@ -233,6 +233,7 @@ impl Estimate {
             inverse: equations.inverse().ok()?,
             camera: self.calibration.uncertain.camera.clone(),
             place: self.members.iter().map(place).collect(),
+            free: self.free.clone(),
         })
     }
 }

@@ -20,6 +20,13 @@ const MUCH: f64 = 0.5;
 /// The part of the views that both models have to predict.
 const COMPARED: f64 = 0.5;
 
+/// Standard deviations by which the chosen lens model has to be better than another for that one to be out of the question.
+const SURELY: f64 = 3.0;
+/// The same for squared residuals in units of their variance, whatever the views.
+const SURELY_SQUARED: f64 = SURELY * SURELY;
+/// Standard deviations by which further coefficients have to take away more of the squared residuals than noise lets them.
+const NEEDED: f64 = 4.0;
+
 /// What became of a lens model in [`choose_model`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelScore {
@@ -27,6 +34,8 @@ pub struct ModelScore {
     pub model: LensModel,
     /// Root mean square of its residuals on views left out, px, or why it has none.
     pub rms_px: Result<f64, CalibrateError>,
+    /// Whether it is not the one chosen and explains the views as well as that: see [`super::with_rivals`].
+    pub rival: bool,
 }
 
 /// How well a solution explains the views, whether or not they determine it.
@@ -43,15 +52,26 @@ impl Explained {
     }
 }
 
-/// A calibration, and how well its solution explains the views, where there is one.
-type Tried = (Result<Calibration, CalibrateError>, Option<Explained>);
+/// A lens model that was tried.
+struct Tried {
+    model: LensModel,
+    /// How well its solution explains the views, where there is one.
+    explained: Option<Explained>,
+    /// Its calibration, whether or not the views determine it, and how it predicts views left out.
+    solved: Option<(Calibration, CrossValidation)>,
+    /// Why it is refused.
+    refused: Option<CalibrateError>,
+    /// Why a part of the views gave no prediction.
+    unpredicted: Option<CalibrateError>,
+}
 
 /// The lens model that predicts left-out views best, and what became of each. `plumb_bob` is the one to beat: another is chosen only
 /// where it explains more of the views, or where its error on a typical view is smaller by 2 % and by two standard deviations of the
 /// difference over the views. A model that all views determine is not out of it where some of them would not.
 ///
 /// # Errors
-/// That of the first lens model, where none gives a calibration, or where the views lack what every model needs.
+/// That of the best lens model, where the views do not determine it: the worse ones may have fewer coefficients, and no better numbers. That of
+/// the first, where none can be.
 pub fn choose_model(
     board: &Board,
     views: &[View],
@@ -62,89 +82,157 @@ pub fn choose_model(
         LensModel::Equidistant,
         LensModel::RationalPolynomial,
     ];
-    let mut scores = Vec::new();
-    let mut best: Option<(LensModel, usize, CrossValidation)> = None;
-    let mut refused = None;
-    // how well a refused plumb_bob explains the views, where they are what is lacking
-    let mut lacking: Option<Explained> = None;
-    for model in candidates {
+    let all: Vec<Tried> = candidates
+        .into_iter()
+        .map(|model| Tried::of(board, views, options, model))
+        .collect();
+    let best = all
+        .iter()
+        .filter(|tried| tried.stands())
+        .reduce(|best, next| if next.beats(best) { next } else { best });
+    let Some(best) = best else {
+        let error = all.into_iter().find_map(|tried| tried.refused);
+        return Err(error.unwrap_or(CalibrateError::TooFewViews { found: views.len() }));
+    };
+    if let Some(error) = &best.refused {
+        return Err(error.clone());
+    }
+    let scores = all.iter().map(|tried| ModelScore {
+        model: tried.model,
+        rms_px: tried.score(),
+        rival: tried.model != best.model && tried.stands() && tried.rivals(best),
+    });
+    Ok((best.model, scores.collect()))
+}
+
+impl Tried {
+    fn of(board: &Board, views: &[View], options: &CalibrateOptions, model: LensModel) -> Self {
         let options = CalibrateOptions {
             model,
             ..options.clone()
         };
-        let (calibration, explained) = tried(board, views, &options);
-        let calibration = match (calibration, explained, lacking) {
-            (Ok(_), Some(own), Some(first)) if !own.much_better(&first) => Err(refused
-                .clone()
-                .unwrap_or(CalibrateError::TooFewViews { found: views.len() })),
-            (calibration, _, _) => calibration,
-        };
-        let calibration = match calibration {
-            Ok(calibration) => calibration,
-            Err(error) => {
-                if model == LensModel::PlumbBob && error.is_of_the_views() {
-                    lacking = explained;
-                }
-                scores.push(ModelScore {
-                    model,
-                    rms_px: Err(error.clone()),
-                });
-                refused = refused.or(Some(error));
-                continue;
-            }
-        };
-        let (validated, unpredicted) = validate(board, views, &options, &calibration);
-        scores.push(ModelScore {
+        let mut tried = Self {
             model,
-            rms_px: unpredicted.map_or(Ok(validated.rms_px), Err),
+            explained: None,
+            solved: None,
+            refused: None,
+            unpredicted: None,
+        };
+        tried.refused = tried.solve(board, views, &options).err();
+        tried
+    }
+
+    fn solve(
+        &mut self,
+        board: &Board,
+        views: &[View],
+        options: &CalibrateOptions,
+    ) -> Result<(), CalibrateError> {
+        let (solved, roll) = solve::solved(board, views, options)?;
+        self.explained = Some(Explained {
+            views: roll.active().len(),
+            variance: solve::variance(&solved, &roll),
         });
-        let used = calibration.views_used();
-        let better = best.as_ref().is_none_or(|(_, views, best)| {
-            used > *views || (used == *views && clearly_better(&validated, best))
-        });
-        if better {
-            best = Some((model, used, validated));
+        let (rings, converged) = (roll.active_rings(), solved.adjusted.converged);
+        let calibration = solve::unjudged(solved, roll, options)?;
+        let judged = solve::judged(&calibration, &rings, converged);
+        // what no camera can be is not asked for predictions
+        if judged
+            .as_ref()
+            .err()
+            .is_none_or(CalibrateError::is_of_the_views)
+        {
+            let (validated, unpredicted) = validate(board, views, options, &calibration);
+            self.solved = Some((calibration, validated));
+            self.unpredicted = unpredicted;
+        }
+        judged
+    }
+
+    /// Whether it may be the lens: refused, if at all, for what the views lack.
+    fn stands(&self) -> bool {
+        self.refused
+            .as_ref()
+            .is_none_or(CalibrateError::is_of_the_views)
+    }
+
+    fn score(&self) -> Result<f64, CalibrateError> {
+        let error = self.refused.as_ref().or(self.unpredicted.as_ref());
+        match (error, &self.solved) {
+            (Some(error), _) => Err(error.clone()),
+            (None, Some((_, validated))) => Ok(validated.rms_px),
+            (None, None) => Err(CalibrateError::TooFewViews { found: 0 }),
         }
     }
-    match (best, refused) {
-        (Some((model, ..)), _) => Ok((model, scores)),
-        (None, Some(error)) => Err(error),
-        (None, None) => Err(CalibrateError::TooFewViews { found: views.len() }),
+
+    /// Whether it is chosen rather than one of those before it.
+    fn beats(&self, best: &Self) -> bool {
+        let (Some(own), Some(other)) = (self.explained, best.explained) else {
+            return best.explained.is_none();
+        };
+        if best.refused.is_some() {
+            return own.much_better(&other);
+        }
+        let (Some((_, own_views)), Some((_, other_views))) = (&self.solved, &best.solved) else {
+            return false;
+        };
+        own.views > other.views
+            || (own.views == other.views && clearly_better(own_views, other_views))
+    }
+
+    /// Whether it explains the views as well as the one chosen, within the scatter of what they say.
+    fn rivals(&self, best: &Self) -> bool {
+        let (Some(own), Some(other)) = (self.explained, best.explained) else {
+            return false;
+        };
+        let (Some((calibration, own_views)), Some((chosen, other_views))) =
+            (&self.solved, &best.solved)
+        else {
+            return false;
+        };
+        if own.views < other.views {
+            return false;
+        }
+        let more = (own.variance / other.variance - 1.0) * chosen.degrees();
+        let names = calibration.camera.parameter_names();
+        let further = names.len() as f64 - chosen.camera.parameter_names().len() as f64;
+        let contains = chosen
+            .camera
+            .parameter_names()
+            .iter()
+            .all(|n| names.contains(n));
+        if contains && self.model != LensModel::Equidistant {
+            // the same lens and further numbers: they count where noise alone would not have used them
+            return more < -(further + NEEDED * (2.0 * further).sqrt());
+        }
+        let worse = gains(other_views, own_views);
+        more <= SURELY_SQUARED || worse.is_none_or(|(mean, std)| mean <= SURELY * std)
     }
 }
 
-/// [`super::calibrate`], and how well the solution explains the views even where it is refused.
-fn tried(board: &Board, views: &[View], options: &CalibrateOptions) -> Tried {
-    match solve::solved(board, views, options) {
-        Ok((solved, roll)) => {
-            let explained = Explained {
-                views: roll.active().len(),
-                variance: solve::variance(&solved, &roll),
-            };
-            (solve::conclude(solved, roll, options), Some(explained))
-        }
-        Err(error) => (Err(error), None),
-    }
-}
-
-/// Whether `a` predicts the views better than `b` beyond chance; only those count that both predict.
+/// Whether `a` predicts the views better than `b` beyond chance and by what is worth it.
 fn clearly_better(a: &CrossValidation, b: &CrossValidation) -> bool {
+    // of squares
+    let noticeable = -2.0 * (1.0 - NOTICEABLY).ln();
+    gains(a, b).is_some_and(|(mean, std)| mean > noticeable.max(CLEARLY * std))
+}
+
+/// Mean over the views of how much better `a` predicts them than `b`, in logarithms of the squares, so that one bad view decides nothing,
+/// and its standard deviation. Only those count that both predict; `None` where these are too few.
+fn gains(a: &CrossValidation, b: &CrossValidation) -> Option<(f64, f64)> {
     let pairs = || a.view_factors.iter().zip(&b.view_factors);
     let told = pairs().filter(|(a, b)| a.is_some() || b.is_some()).count();
-    // in logarithms, so that one bad view decides nothing
     let gains: Vec<f64> = pairs()
         .filter_map(|(a, b)| Some(((*b)? / (*a)?).ln()))
         .filter(|gain| gain.is_finite())
         .collect();
     let n = gains.len() as f64;
     if n < 2.0 || n < COMPARED * told as f64 {
-        return false;
+        return None;
     }
     let mean = gains.iter().sum::<f64>() / n;
     let variance = gains.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / (n - 1.0);
-    // of squares
-    let noticeable = -2.0 * (1.0 - NOTICEABLY).ln();
-    mean > noticeable.max(CLEARLY * (variance / n).sqrt())
+    Some((mean, (variance / n).sqrt()))
 }
 
 #[cfg(test)]

@@ -9,7 +9,9 @@
 //! 5. The covariance of the parameters is that of least squares (`uncertainty`); views that leave the camera open are refused
 //!    (`observability`), however small their residuals are.
 //! 6. Whether one focal length served all views is `steady`'s question.
-//! 7. What the result is worth, as one word and a sentence, is `assess`'s to say, by written rules.
+//! 7. Where the lens model is to be chosen, `lens_choice` does it by `cross_validation`; what other models that explain the views as well
+//!    disagree by counts as not known (`rivals`).
+//! 8. What the result is worth, as one word and a sentence, is `assess`'s to say, by written rules.
 
 mod adjust;
 mod assess;
@@ -34,6 +36,7 @@ mod options;
 mod rays;
 mod repeats;
 mod resect;
+mod rivals;
 mod roll;
 mod shared;
 mod solve;
@@ -53,6 +56,7 @@ pub use information::{Estimate, MAP_CELLS, Told, Unfit, most_informative};
 pub use lens_choice::{ModelScore, choose_model};
 pub use options::{CalibrateOptions, ModelChoice, SheetOptions};
 pub use resect::{Known, Resection, resect};
+pub use rivals::with_rivals;
 pub use roll::LeftOut;
 pub use shared::{SHEET_NAMES, SheetShape};
 pub use steady::{Change, When};

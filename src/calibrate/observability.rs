@@ -32,7 +32,7 @@ const PARALLEL_DEG: f64 = 2.0;
 /// Tilt about an axis of the picture that tells the focal length well, rad.
 const WANTED_TILT_RAD: f64 = 0.26;
 /// Cells of the frame, across and down, in whose middles the lens is asked for.
-const CELLS: (usize, usize) = (8, 6);
+pub(super) const CELLS: (usize, usize) = (8, 6);
 
 /// Parallel planes share their circular points: however many there are, they give the two equations of one.
 pub(super) fn not_parallel(poses: &[Pose]) -> Result<(), CalibrateError> {
@@ -156,7 +156,7 @@ fn folds_unseen(camera: &Camera, rings: &[Vec<Observation>], cell: usize) -> boo
 }
 
 /// The middle of a cell, px.
-fn middle(camera: &Camera, cell: usize) -> Point2<f64> {
+pub(super) fn middle(camera: &Camera, cell: usize) -> Point2<f64> {
     let (column, row) = (cell % CELLS.0, cell / CELLS.0);
     let (width, height) = (f64::from(camera.width), f64::from(camera.height));
     Point2::new(

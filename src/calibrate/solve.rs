@@ -14,7 +14,7 @@ use super::{
 use crate::board::Board;
 use crate::camera::{Camera, Pose};
 use crate::session::View;
-use nalgebra::Point2;
+use nalgebra::{DMatrix, Point2};
 
 /// What is estimated first: enough to bend any guess towards the truth, and never ill-determined among itself ...
 const FIRST: [&str; 3] = ["fx", "fy", "k1"];
@@ -225,6 +225,35 @@ pub(super) fn conclude(
     roll: Roll,
     options: &CalibrateOptions,
 ) -> Result<Calibration, CalibrateError> {
+    let rings = roll.active_rings();
+    let converged = solved.adjusted.converged;
+    let calibration = unjudged(solved, roll, options)?;
+    judged(&calibration, &rings, converged)?;
+    Ok(calibration)
+}
+
+/// Whether the views determine a calibration, and it can be.
+pub(super) fn judged(
+    calibration: &Calibration,
+    rings: &[Vec<Observation>],
+    converged: bool,
+) -> Result<(), CalibrateError> {
+    observability::determined(calibration, rings)?;
+    // asked last: what the views leave open does not converge either, and that is the better thing to say
+    if !converged {
+        return Err(CalibrateError::NotConverged {
+            iterations: calibration.iterations,
+        });
+    }
+    plausible(&calibration.camera, rings)
+}
+
+/// The calibration of a solution, whatever it is worth; only views that leave numbers open altogether have none.
+pub(super) fn unjudged(
+    solved: Solved,
+    roll: Roll,
+    options: &CalibrateOptions,
+) -> Result<Calibration, CalibrateError> {
     let Solved {
         adjusted,
         free,
@@ -242,7 +271,10 @@ pub(super) fn conclude(
     })?;
     let variance_factor = adjusted.equations.squares() / degrees_of_freedom(&roll, &free)?;
     let (names, count) = estimated_names(&camera, &free);
-    let all = free.spread(&(&inverse.shared * variance_factor), count);
+    let all = free.spread(
+        &(by_noise(&adjusted, &inverse.shared) * variance_factor),
+        count,
+    );
     // the names between the camera and the last estimated number of the sheet may not all be estimated
     let chosen: Vec<usize> = names.iter().map(|(at, _)| *at).collect();
     let views: Vec<ViewFit> = (0..roll.rings.len())
@@ -257,7 +289,7 @@ pub(super) fn conclude(
         (&active, &adjusted.solution.poses),
         roll.variance(variance_factor),
     );
-    let calibration = Calibration {
+    Ok(Calibration {
         camera,
         sheet: shared.sheet,
         rms_px: calibration::rms(views.iter().filter(|v| v.used()).flat_map(counted)),
@@ -271,19 +303,18 @@ pub(super) fn conclude(
             inverse,
             camera: camera_places(&camera, &free),
             place: (0..views.len()).map(place).collect(),
+            free,
         },
         views,
-    };
-    let rings = roll.active_rings();
-    observability::determined(&calibration, &rings)?;
-    // asked last: what the views leave open does not converge either, and that is the better thing to say
-    if !adjusted.converged {
-        return Err(CalibrateError::NotConverged {
-            iterations: adjusted.iterations,
-        });
-    }
-    plausible(&camera, &rings)?;
-    Ok(calibration)
+        rivals: Vec::new(),
+    })
+}
+
+/// How the free numbers scatter by the noise of the centres, for residuals of unit variance: P^-1 (P - Q) P^-1, where P holds the
+/// charges Q. P^-1 alone counts a charge as ignorance about the number charged, as wide as the charge allows; but noise does not move
+/// the number so far, because the charge holds it. Without charges both are the same.
+fn by_noise(adjusted: &Adjusted, inverse: &DMatrix<f64>) -> DMatrix<f64> {
+    inverse - inverse * adjusted.equations.charges() * inverse
 }
 
 /// The camera's parameters and what is estimated of the sheet, with their places, and how many numbers reach that far.

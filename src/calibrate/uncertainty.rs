@@ -8,6 +8,8 @@
 
 use super::calibration::Calibration;
 use super::normal_equations::Inverse;
+use super::rivals;
+use super::shared::Free;
 use nalgebra::{DMatrix, Matrix2, Matrix2x3, Matrix6, OMatrix, Point2, Point3, U2, Vector3};
 
 /// How far away the thing is that is looked at.
@@ -28,6 +30,8 @@ pub(super) struct Covariance {
     pub camera: Vec<(usize, usize, f64)>,
     /// For each view its place in `inverse`, where it takes part.
     pub place: Vec<Option<usize>>,
+    /// What was free, with what it was charged.
+    pub free: Free,
 }
 
 impl Calibration {
@@ -42,8 +46,20 @@ impl Calibration {
     }
 
     /// Covariance of the pixel at which something seen at `pixel` would appear to the camera of another calibration from such views, px^2;
-    /// `None` where the camera has no ray.
+    /// `None` where the camera has no ray. It covers what [`Calibration::rivals`] disagree by.
     pub fn projection_covariance(&self, pixel: &Point2<f64>, range: Range) -> Option<Matrix2<f64>> {
+        let own = self.own_projection_covariance(pixel, range)?;
+        let rivals = self.rivals.iter();
+        let more = rivals.map(|rival| rivals::projection_beyond(self, rival, (pixel, range), &own));
+        Some(more.fold(own, |sum, more| sum + more))
+    }
+
+    /// What the noise of the centres and the lens model itself leave open.
+    pub(super) fn own_projection_covariance(
+        &self,
+        pixel: &Point2<f64>,
+        range: Range,
+    ) -> Option<Matrix2<f64>> {
         let ray = self.camera.ray(pixel)?;
         let (point, shifts) = match range {
             Range::Infinity => (ray, 0.0),

@@ -15,13 +15,13 @@ use super::output::print;
 use super::reading::{Collecting, Reading};
 use crate::board::Board;
 use crate::calibrate::{
-    Assessment, CalibrateError, CalibrateOptions, Calibration, CrossValidation, Facts, ModelChoice,
-    assess, choose_model, cross_validate, refused,
+    Assessment, CalibrateError, CalibrateOptions, Calibration, CrossValidation, Facts, Grade,
+    ModelChoice, Rule, assess, cross_validate, refused,
 };
 use crate::detect::Detector;
 use crate::formats::{CalibrationJson, CameraFormat, CameraInfo};
 use crate::plural::counted;
-use crate::refine::calibrate_refined;
+use crate::refine::{Chosen, calibrate_chosen};
 use crate::report::{Report, Solved, report_html};
 use crate::session::{SessionRules, View};
 use crate::source::read_board;
@@ -99,12 +99,13 @@ fn solve(
     mut options: CalibrateOptions,
     model: ModelChoice,
 ) -> Result<CalibrationOfViews, CalibrateError> {
-    if model == ModelChoice::Auto {
-        let (model, scores) = choose_model(board, found, &options)?;
-        eprint!("{}", summary::scores(&scores));
-        options.model = model;
-    }
-    let (calibration, views) = calibrate_refined(board, found, &options)?;
+    let Chosen {
+        calibration,
+        views,
+        scores,
+    } = calibrate_chosen(board, found, (&options, model))?;
+    eprint!("{}", summary::scores(&scores));
+    options.model = calibration.camera.model();
     let validated = cross_validate(board, &views, &options, &calibration);
     Ok(CalibrationOfViews {
         calibration,
@@ -128,7 +129,16 @@ impl Arguments {
         } = result;
         let estimator = self.measuring.estimator.name();
         let facts = Facts::of(calibration, views, validated.as_ref());
-        let assessment = assess(&facts);
+        let mut assessment = assess(&facts);
+        let misfit = assessment.criteria.iter();
+        if misfit
+            .filter(|c| c.rule == Rule::Misfit)
+            .any(|c| c.grade > Grade::Good)
+        {
+            // before the board and the lens are doubted
+            let suspects = self.lens.suspects().map(|text| sentence(&text));
+            assessment.advice.splice(0..0, suspects);
+        }
         let file = CalibrationJson::new(
             &self.camera_name,
             estimator,

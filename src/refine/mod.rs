@@ -7,7 +7,10 @@
 //! and what is wrong of a camera is a tenth as wrong in the next: so they are renewed until it stays.
 
 use crate::board::Board;
-use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, calibrate};
+use crate::calibrate::{
+    CalibrateError, CalibrateOptions, Calibration, ModelChoice, ModelScore, calibrate,
+    choose_model, with_rivals,
+};
 use crate::camera::Pose;
 use crate::centre::photometric::{KnownRing, refit, shape_under};
 use crate::session::View;
@@ -49,6 +52,45 @@ pub fn calibrate_refined(
         }
     }
     Ok((calibration, refined))
+}
+
+/// A calibration with a lens model that is given or chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chosen {
+    /// The calibration.
+    pub calibration: Calibration,
+    /// The views that it comes from, with their centres found again.
+    pub views: Vec<View>,
+    /// What became of each lens model, where it was to be chosen.
+    pub scores: Vec<ModelScore>,
+}
+
+/// [`calibrate_refined`] with a lens model that may have to be chosen first; then what other models that explain the views as well disagree
+/// by is part of the uncertainty.
+///
+/// # Errors
+/// [`CalibrateError`], where the views do not tell the lens model either.
+pub fn calibrate_chosen(
+    board: &Board,
+    views: &[View],
+    (options, model): (&CalibrateOptions, ModelChoice),
+) -> Result<Chosen, CalibrateError> {
+    let (model, scores) = match model {
+        ModelChoice::Fixed(model) => (model, Vec::new()),
+        ModelChoice::Auto => choose_model(board, views, options)?,
+    };
+    let options = CalibrateOptions {
+        model,
+        ..options.clone()
+    };
+    let (calibration, views) = calibrate_refined(board, views, &options)?;
+    let rivals = scores.iter().filter(|score| score.rival);
+    let rivals: Vec<_> = rivals.map(|score| score.model).collect();
+    Ok(Chosen {
+        calibration: with_rivals(board, &views, &options, (calibration, &rivals))?,
+        views,
+        scores,
+    })
 }
 
 /// By how many of its standard deviations the number moved that moved most.

@@ -2,9 +2,9 @@
 
 use super::settings::Settings;
 use crate::board::Board;
-use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, ModelChoice, choose_model};
+use crate::calibrate::{CalibrateError, CalibrateOptions, Calibration, ModelChoice};
 use crate::camera::LensModel;
-use crate::refine::calibrate_refined;
+use crate::refine::calibrate_chosen;
 use crate::session::View;
 
 /// A calibration to be solved: the views as they were when it was asked for.
@@ -46,12 +46,8 @@ impl Job {
 
 impl Job {
     fn result(&self) -> Result<Calibration, CalibrateError> {
-        let mut options = self.options.clone();
-        options.model = match self.model {
-            ModelChoice::Fixed(model) => model,
-            ModelChoice::Auto => choose_model(&self.board, &self.views, &options)?.0,
-        };
-        calibrate_refined(&self.board, &self.views, &options).map(|(calibration, _)| calibration)
+        let how = (&self.options, self.model);
+        calibrate_chosen(&self.board, &self.views, how).map(|chosen| chosen.calibration)
     }
 }
 

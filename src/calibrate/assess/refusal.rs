@@ -57,6 +57,11 @@ fn advice(error: &CalibrateError, frames: FramesRead) -> Vec<String> {
             "Show the board in the parts of the frame where no ring was seen, corners and edges first.".to_owned(),
             "Or ask for less: --fix k3, or --fix radial=1.".to_owned(),
         ],
+        E::LensModel { .. } => vec![
+            "Show the board in the parts of the frame where no ring was seen, corners and edges first: lenses differ there most."
+                .to_owned(),
+            "Or say which lens it is: --model equidistant for a fisheye, --model plumb_bob for most others.".to_owned(),
+        ],
         E::TooFewViews { .. } | E::TooFewMeasurements { .. } | E::Undetermined { .. } => {
             vec![show.to_owned()]
         }

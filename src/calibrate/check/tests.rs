@@ -91,7 +91,7 @@ fn little_of_the_frame_gives_no_verdict_and_another_size_no_check() {
     let refused = check(&board(), views, &other, Estimator::Photometric).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "view 0 is 1280 x 960 px, the camera's frames are 640 x 960 px"
+        "view 0 is 1280 x 960 px, the camera's frames are 640 x 960 px: a calibration holds for one resolution"
     );
 }
 

@@ -1,10 +1,10 @@
 //! Lens models beside plumb_bob.
 
 use super::*;
-use crate::camera::{Equidistant, Pose, RationalPolynomial};
+use crate::camera::{Equidistant, RationalPolynomial};
 use nalgebra::Point3;
 
-fn options(model: LensModel) -> CalibrateOptions {
+pub fn options(model: LensModel) -> CalibrateOptions {
     CalibrateOptions {
         model,
         ..CalibrateOptions::default()
@@ -190,5 +190,28 @@ fn views_that_leave_the_camera_open_are_not_saved_by_another_lens_model() {
         } else {
             assert_eq!(chosen.unwrap().0, LensModel::PlumbBob);
         }
+    }
+}
+
+#[test]
+fn the_numbers_of_a_rational_lens_scatter_as_their_deviations_say() {
+    let runs = 120;
+    let mut told = Vec::new();
+    for seed in 0..runs {
+        let (_, mut views) = kinect(0.03, seed);
+        with_covariance(&mut views, Matrix2::identity() * 9e-4);
+        let options = options(LensModel::RationalPolynomial);
+        let found = calibrate(&board(), &views, &options).unwrap();
+        told.push((found.values(), found.stds()));
+    }
+    let names = LensModel::RationalPolynomial.parameter_names();
+    for (at, name) in names.iter().enumerate() {
+        let n = runs as f64;
+        let mean = told.iter().map(|(values, _)| values[at]).sum::<f64>() / n;
+        let squares = told.iter().map(|(values, _)| (values[at] - mean).powi(2));
+        let scatter = (squares.sum::<f64>() / (n - 1.0)).sqrt();
+        let stated = (told.iter().map(|(_, stds)| stds[at].powi(2)).sum::<f64>() / n).sqrt();
+        let ratio = scatter / stated;
+        assert!((0.8..1.25).contains(&ratio), "{name}: {ratio}");
     }
 }

@@ -3,12 +3,13 @@
 mod held;
 mod lenses;
 mod outliers;
+mod rivals;
 mod sheet;
 mod uncertainty;
 
 use super::synthetic::{board, long, ordinary, pose_at, poses, views, wide, with_covariance};
 use super::*;
-use crate::camera::{Camera, Distortion, LensModel, PlumbBob};
+use crate::camera::{Camera, Distortion, LensModel, PlumbBob, Pose};
 use nalgebra::{DMatrix, DVector, Matrix2, Point2, Vector3};
 use rand::{RngExt, SeedableRng};
 

@@ -120,3 +120,35 @@ fn a_view_held_against_the_true_camera_gives_its_pose() {
         assert_eq!(found.degrees, 92.0);
     }
 }
+
+#[test]
+fn what_is_predicted_of_a_view_is_what_a_calibration_of_the_others_predicts() {
+    let camera = wide();
+    let views = views(&camera, &board(), &poses(&camera, &board()), SIGMA_PX, 3);
+    let options = CalibrateOptions::default();
+    let result = solved(&board(), &views);
+    let validated = cross_validate(&board(), &views, &options, &result).unwrap();
+    for fold in 0..validated.folds {
+        let apart = |inside: bool| -> Vec<View> {
+            let all = views.iter().enumerate();
+            let part = all.filter(|(at, _)| (at % validated.folds == fold) == inside);
+            part.map(|(_, view)| view.clone()).collect()
+        };
+        let rest = solved(&board(), &apart(false));
+        let known = Known {
+            camera: rest.camera,
+            sheet: rest.sheet,
+            estimator: options.estimator,
+        };
+        let found = resect(&board(), &apart(true), &known).unwrap();
+        let factors = validated
+            .view_factors
+            .iter()
+            .skip(fold)
+            .step_by(validated.folds);
+        for (view, factor) in found.iter().zip(factors) {
+            let off = factor.unwrap() / (view.cost / view.degrees) - 1.0;
+            assert!(off.abs() < 0.02, "{off}");
+        }
+    }
+}

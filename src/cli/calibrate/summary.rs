@@ -38,6 +38,12 @@ pub fn summary(
         Err(error) => format!("          not cross-validated: {error}\n"),
     };
     text += &uncertainty(calibration);
+    for rival in &calibration.rivals {
+        text += &format!(
+            "lens      {} explains the views as well; the standard deviations cover what it says otherwise\n",
+            rival.camera.model()
+        );
+    }
     text += &format!("verdict   {assessment}\n");
     for advice in &assessment.advice {
         text += &format!("          {advice}\n");

@@ -95,8 +95,8 @@ fn calibration(setting: &Setting, noise: f64) -> Calibration {
     calibrate_refined(board, &seen, &options).unwrap().0
 }
 
-/// Without noise the camera is the true one, within a tenth of what noise makes of it.
-fn bends_bias_nothing(setting: &Setting) {
+/// Without noise the camera is the true one, within this part of what noise makes of it.
+fn bends_bias_nothing(setting: &Setting, most: f64) {
     let (clean, noisy) = (
         calibration(setting, 0.0),
         calibration(setting, setting.noise),
@@ -105,7 +105,7 @@ fn bends_bias_nothing(setting: &Setting) {
     let names = setting.camera.parameter_names();
     for (k, name) in names.iter().enumerate() {
         let bias = (clean.values()[k] - truth[k]) / noisy.std(k);
-        assert!(bias.abs() < 0.1, "{name}: {bias} standard deviations");
+        assert!(bias.abs() < most, "{name}: {bias} standard deviations");
         let z = (noisy.values()[k] - truth[k]) / noisy.std(k);
         assert!(z.abs() < 3.5, "{name}: {z} standard deviations off");
     }
@@ -115,13 +115,23 @@ fn bends_bias_nothing(setting: &Setting) {
 #[test]
 fn bends_of_a_wide_lens_bias_nothing() {
     // fx is off by 3.4 standard deviations where the bends are neither predicted nor taken off
-    bends_bias_nothing(&wide());
+    bends_bias_nothing(&wide(), 0.1);
+}
+
+#[test]
+fn bends_of_sharp_rings_bias_nothing() {
+    // fx was off by 2.3 standard deviations where they were taken off in half a pixel of blur; what is left is of edges that pixels hide
+    let sharp = Setting {
+        sigma_px: 0.0,
+        ..wide()
+    };
+    bends_bias_nothing(&sharp, 0.2);
 }
 
 #[test]
 fn bends_of_large_rings_bias_nothing() {
     // taken for ends of the sheet, or for what covers a ring, they left the lens open: k3 was off by 20 standard deviations
-    bends_bias_nothing(&wide_and_near());
+    bends_bias_nothing(&wide_and_near(), 0.1);
 }
 
 #[test]
@@ -163,7 +173,7 @@ fn large_rings_that_a_lens_bends_are_measured_by_their_grey_values() {
 fn bends_of_a_fisheye_bias_nothing() {
     let setting = fisheye();
     assert_eq!(setting.camera.model(), LensModel::Equidistant);
-    bends_bias_nothing(&setting);
+    bends_bias_nothing(&setting, 0.1);
 }
 
 /// The mean squared error of the centres as `detect` alone gives them, over their variances, in the outer half of the frame.

@@ -68,8 +68,11 @@ pub(super) fn find_grid(
             let care = Care::of(options.estimator);
             let mut measured = Measured::new(frame, board, rings, sign, lattice, care);
             if is_scattered(&measured.rings, &measured.places) {
-                let found = measured.rings.len();
-                first.get_or_insert(too_few_or_no_grid(board, found, options.required));
+                first.get_or_insert(Miss::NoGrid {
+                    found: measured.rings.len(),
+                    rows: board.rows(),
+                    columns: board.columns(),
+                });
                 continue;
             }
             measured.complete(options.required.least(board));

@@ -77,19 +77,19 @@ pub(super) enum Asked {
     Places,
 }
 
-/// Whether the rings of a lattice stand so much beside their places that no further ones make it a board: not worth looking for these.
+/// Whether most rings of a lattice stand so much beside their places that no further ones make it a board: not worth looking for these. A few
+/// that do may be strays.
 pub(super) fn is_scattered(rings: &BTreeMap<Label, RingFit>, places: &Places) -> bool {
-    bent(rings, places).is_none_or(|bent| bent > SCATTERED)
+    besides(rings, places).is_none_or(|mut besides| median(&mut besides) > SCATTERED)
 }
 
-/// Root mean square distance of the rings from their places, in steps.
-fn bent(rings: &BTreeMap<Label, RingFit>, places: &Places) -> Option<f64> {
-    let squares = rings.iter().map(|(&label, ring)| {
+/// Distances of the rings from their places, in steps.
+fn besides(rings: &BTreeMap<Label, RingFit>, places: &Places) -> Option<Vec<f64>> {
+    let besides = rings.iter().map(|(&label, ring)| {
         let place = places.expect(label)?;
-        Some(((ring.outer.centre - place.at).norm() / place.step_px()).powi(2))
+        Some((ring.outer.centre - place.at).norm() / place.step_px())
     });
-    let sum: Option<f64> = squares.sum();
-    sum.map(|sum| (sum / rings.len() as f64).sqrt())
+    besides.collect()
 }
 
 /// Whether places, sizes and contrasts of the rings agree with one board on one plane.
@@ -100,9 +100,11 @@ pub(super) fn is_plausible(
     asked: Asked,
 ) -> bool {
     let expected = board.outer_radius_m() / board.pitch_m();
-    let Some(bent) = bent(rings, places) else {
+    let Some(besides) = besides(rings, places) else {
         return false;
     };
+    let squares: f64 = besides.iter().map(|beside| beside * beside).sum();
+    let bent = (squares / rings.len() as f64).sqrt();
     let mut sizes = Vec::with_capacity(rings.len());
     for (&label, ring) in rings {
         let Some(place) = places.expect(label) else {
@@ -211,5 +213,10 @@ mod tests {
         let [loose, bent] = [rings(10.0, 0.5, anywhere), rings(10.0, 0.5, bends)];
         assert!(is_scattered(&loose, &places(&loose)));
         assert!(!is_scattered(&bent, &places(&bent)));
+        let stray = rings(10.0, 0.5, |label| {
+            let far = if label == (1, 2) { 0.9 } else { 0.0 };
+            Vector2::new(far, 0.0)
+        });
+        assert!(!is_scattered(&stray, &places(&stray)));
     }
 }

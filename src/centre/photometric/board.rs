@@ -5,11 +5,12 @@
 //! skirts of neighbours reach into a ring's window they are part of its model, from the neighbours' own fits, until nothing
 //! moves. What stands in a window and is no ring is left out (`trust`). Last, the rings share their perspective (`law`).
 
+use super::alone::Ends;
 use super::around::{around, reaches};
 use super::blur::Psf;
 use super::border::mend;
 use super::choice::PsfChoice;
-use super::crowd::{Crowd, Ends};
+use super::crowd::Crowd;
 use super::fit::{Given, Known};
 use super::flatten::{bend_back, flatten};
 use super::joint::settle_together;

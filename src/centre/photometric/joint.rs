@@ -5,7 +5,8 @@
 //! the first derivatives say how each ring's best answer depends on its neighbours' parameters (`crowd`): that gives the step at which no
 //! ring would want to move any more.
 
-use super::crowd::{Crowd, Ends};
+use super::alone::Ends;
+use super::crowd::Crowd;
 use super::model::{BLUR, INSIDE, PAPER, RING, RingModel, Vector};
 use super::under::Under;
 

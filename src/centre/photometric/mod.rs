@@ -17,6 +17,7 @@
 //! No construction on edges can be right under blur: an edge is displaced by the neighbouring edge and by its own
 //! curvature. The model knows both. It is fitted to the raw pixels of the frame, binned as far as the blur allows.
 
+mod alone;
 mod around;
 mod bent;
 mod blur;

@@ -13,9 +13,9 @@ use super::normal_equations::NormalEquations;
 use super::observations::Observation;
 use super::roll::LeftOut;
 use super::shared::{Free, Shared};
-use super::solve;
 use super::uncertainty::{Covariance, Range};
 use super::{CalibrateError, CalibrateOptions};
+use super::{conclude, solve};
 use crate::board::Board;
 use crate::camera::{Camera, Pose};
 use crate::centre::Estimator;
@@ -84,7 +84,7 @@ impl Estimate {
         let charges = free.columns.iter().map(|column| column.charge);
         let charges = nalgebra::DVector::from_iterator(free.len(), charges);
         let concluding = roll.clone();
-        let calibration = solve::conclude(solved, roll, options)?;
+        let calibration = conclude::conclude(solved, roll, options)?;
         let mut estimate = Self {
             variance: concluding.variance(calibration.variance_factor),
             calibration,

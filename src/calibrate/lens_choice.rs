@@ -5,7 +5,7 @@
 //! explains the views much better.
 
 use super::cross_validation::validate;
-use super::{CalibrateError, CalibrateOptions, Calibration, CrossValidation, solve};
+use super::{CalibrateError, CalibrateOptions, Calibration, CrossValidation, conclude, solve};
 use crate::board::Board;
 use crate::camera::LensModel;
 use crate::session::View;
@@ -134,8 +134,8 @@ impl Tried {
             variance: solve::variance(&solved, &roll),
         });
         let (rings, converged) = (roll.active_rings(), solved.adjusted.converged);
-        let calibration = solve::unjudged(solved, roll, options)?;
-        let judged = solve::judged(&calibration, &rings, converged);
+        let calibration = conclude::unjudged(solved, roll, options)?;
+        let judged = conclude::judged(&calibration, &rings, converged);
         // what no camera can be is not asked for predictions
         if judged
             .as_ref()

@@ -18,6 +18,7 @@ mod assess;
 mod below;
 mod calibration;
 mod check;
+mod conclude;
 mod cross_validation;
 mod design;
 mod difference;
@@ -85,7 +86,7 @@ pub fn calibrate(
     options: &CalibrateOptions,
 ) -> Result<Calibration, CalibrateError> {
     let (solved, roll) = solve::solved(board, views, options)?;
-    solve::conclude(solved, roll, options)
+    conclude::conclude(solved, roll, options)
 }
 
 #[cfg(test)]

@@ -13,9 +13,10 @@
 //! projection uncertainty: what the one sees at a pixel is carried by the boards to the other.
 
 use super::calibration::Calibration;
+use super::conclude;
 use super::observability;
 use super::observations::observations;
-use super::solve::{self, solved};
+use super::solve::solved;
 use super::uncertainty::Range;
 use super::{CalibrateError, CalibrateOptions};
 use crate::board::Board;
@@ -44,7 +45,7 @@ pub fn with_rivals(
             ..options.clone()
         };
         let rival = solved(board, views, &options)
-            .and_then(|(solved, roll)| solve::unjudged(solved, roll, &options));
+            .and_then(|(solved, roll)| conclude::unjudged(solved, roll, &options));
         // one that has no solution any more does not explain the views
         let Ok(rival) = rival else { continue };
         calibration.covariance += beyond(&calibration, &rival);

@@ -12,9 +12,9 @@ use super::under::Under;
 
 /// Steps at most: rings that began with twice their contrast and half their size come back in a dozen.
 const STEPS: usize = 16;
-/// A step is worth its while where the sums of squares could be lower by this many variances for each ring: what is left of a centre's error
-/// then is a few per cent of the noise's.
-const WORTH_A_STEP: f64 = 0.03;
+/// A step is worth its while where the sums of squares could be lower by this many variances for each ring: one ring that has not settled may
+/// want all of it.
+const WORTH_A_STEP: f64 = 0.003;
 /// A step moves no outline by more than this (blur sigmas) and changes no contrast by more than this part of it: what is farther off is
 /// no longer linear.
 const LONGEST: f64 = 0.7;
